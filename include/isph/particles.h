@@ -15,7 +15,7 @@
 
 extern const OptionTable ParticleOptions;
 
-#define PARTICLES_MAX_FIELDS 20
+#define PARTICLES_MAX_FIELDS 24
 
 /* Values of a field that the halo needs. */
 typedef enum {
@@ -27,6 +27,7 @@ typedef enum {
 typedef enum {
   ENTRY_ZERO,
   ENTRY_MEAN,     /* mean of the fluid within halo_width, weighted by distance */
+  ENTRY_NEAREST,  /* value of the nearest fluid within halo_width */
   ENTRY_POSITION, /* position of the particle */
   ENTRY_SPACING,  /* SceneSpacing() */
   ENTRY_STRETCH,  /* SceneStretch() */
@@ -74,10 +75,14 @@ typedef struct {
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
   PetscReal *u[ISPH_MAX_DIM]; /* velocities of own particles (field) [m/s] */
   PetscReal *p;               /* pressures of own fluid (field) [Pa]; NULL: no pressure */
-  PetscReal *nu; /* kinematic viscosities of fluid (field) [m^2/s]; NULL: uniform, scene->nu */
-  PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
-  PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
-  PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
+  PetscReal *nu;    /* kinematic viscosities of fluid (field) [m^2/s]; NULL: uniform, scene->nu */
+  PetscReal *fluid; /* number of the fluid, SceneFluidAt() (field); NULL: one fluid */
+  PetscReal *interface; /* distance from the nearest interface of two fluids (field) [m] */
+  PetscReal *interface_normal[ISPH_MAX_DIM]; /* from there into the own fluid (field); 0: beyond
+                                                INTERFACE_REACH [-] */
+  PetscReal *x_epoch[ISPH_MAX_DIM];          /* own positions when the epoch started (field) [m] */
+  PetscReal *normal[ISPH_MAX_DIM]; /* of wall particles, into the fluid (field); NULL: no walls */
+  PetscReal *depth;                /* of wall particles below the surface [m] (field) */
   PetscReal *side; /* of wall particles: number of the wall, a whole number (field) */
   PetscReal *dx;   /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */

@@ -226,11 +226,25 @@ struct Scene {
   Regime      *regime; /* of defaults; callers add the facts of their options */
 };
 
+#define INTERFACE_REACH 4.0 /* largest distance from interfaces that particles carry [dx_i] */
+
+/* Points on the interfaces of two fluids at the start, with normals out of the region. */
+typedef struct {
+  PetscInt   n, *region; /* points, and the region on whose border each is */
+  PetscReal *x, *normal; /* dim values of each [m] */
+} InterfacePoints;
+
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
     OpeningOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
-PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
+PetscInt       SceneFluids(const Scene *scene);
+PetscInt       SceneFluidAt(const Scene *scene, const PetscReal x[]);
+PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points);
+PetscErrorCode InterfacePointsDestroy(InterfacePoints *points);
+PetscReal SceneInterface(const Scene *scene, const InterfacePoints *points, const PetscReal x[],
+                         PetscReal most, PetscReal normal[]);
+PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);

@@ -109,8 +109,8 @@ static void EnteringVelocity(const Flow *flow, const Entrant *e, PetscReal back,
   for (PetscInt a = 0; a < scene->dim; a++) u[a] += d * e->slope[a];
 }
 
-/* Sets a field of entering particle k: on an inflow its velocities at their times, and the
-   viscosity of a Newtonian fluid is that at the place. */
+/* Sets a field of entering particle k: on an inflow its velocities at their times, and
+   fluid and viscosity, if it is Newtonian, are those at the place. */
 static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], void *ctx)
 {
   const Entrants   *all        = (const Entrants *)ctx;
@@ -128,6 +128,8 @@ static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], voi
   }
   if (flow->particles->nu && field->slot[0] == flow->particles->nu && SceneIsNewtonian(flow->scene))
     value[0] = SceneViscosityAt(flow->scene, entrant->x);
+  if (field->slot == &flow->particles->fluid)
+    value[0] = (PetscReal)SceneFluidAt(flow->scene, entrant->x);
 }
 
 /* Computes the slopes of the velocity at the entrants of inflows on this rank; collective. */

@@ -36,6 +36,12 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   }
   if (SceneViscosityVaries(scene))
     PetscCall(ParticlesRegister(p, "viscosity", 1, HALO_EPOCH, ENTRY_MEAN, &p->nu));
+  if (SceneFluids(scene) > 1) {
+    PetscCall(ParticlesRegister(p, "fluid", 1, HALO_EPOCH, ENTRY_NEAREST, &p->fluid));
+    PetscCall(ParticlesRegister(p, "interface", 1, HALO_EPOCH, ENTRY_NEAREST, &p->interface));
+    PetscCall(ParticlesRegister(p, "interface_normal", p->dim, HALO_EPOCH, ENTRY_NEAREST,
+                                p->interface_normal));
+  }
   if (SceneHas(scene, PHYSICS_WALLS)) {
     PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, ENTRY_ZERO, p->normal));
     PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, ENTRY_ZERO, &p->depth));

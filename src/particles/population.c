@@ -61,13 +61,17 @@ typedef struct {
   PetscReal *weight, sum;
 } Surroundings;
 
-/* Builds the cells for the search; updates the halo of all fields with the policy ENTRY_MEAN. */
+/* Builds the cells for the search; updates the halo of all fields with the policies ENTRY_MEAN and
+   ENTRY_NEAREST. */
 static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
 {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(near, sizeof(*near)));
   for (PetscInt f = 0; f < p->n_fields; f++) {
-    for (PetscInt c = 0; p->field[f].entry == ENTRY_MEAN && c < p->field[f].components; c++)
+    const EntryPolicy entry = p->field[f].entry;
+
+    if (entry != ENTRY_MEAN && entry != ENTRY_NEAREST) continue;
+    for (PetscInt c = 0; c < p->field[f].components; c++)
       PetscCall(ParticlesHaloField(p, p->field[f].slot[c]));
   }
   near->capacity = ParticlesAll(p);
@@ -114,6 +118,16 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
   return near->sum > 0.0 ? sum / near->sum : 0.0;
 }
 
+/* Returns the value of the nearest fluid; zero without fluid nearby. */
+static PetscReal SurroundingsNearest(const Surroundings *near, const PetscReal value[])
+{
+  PetscInt nearest = 0;
+
+  for (PetscInt k = 1; k < near->n; k++)
+    if (near->weight[k] > near->weight[nearest]) nearest = k;
+  return near->n ? value[near->j[nearest]] : 0.0;
+}
+
 /* Returns the default value of component c of a field for a new particle at x. */
 static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, const PetscReal x[],
                             const Surroundings *near)
@@ -123,6 +137,8 @@ static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, 
   switch (field->entry) {
   case ENTRY_MEAN:
     return SurroundingsMean(near, field->slot[c]);
+  case ENTRY_NEAREST:
+    return SurroundingsNearest(near, field->slot[c]);
   case ENTRY_POSITION:
     return x[c];
   case ENTRY_SPACING:

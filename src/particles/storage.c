@@ -151,7 +151,11 @@ static void FieldBounds(const Scene *scene, const Particles *p, const Field *fie
   *low  = -PETSC_MAX_REAL;
   *high = PETSC_MAX_REAL;
   if (field->slot == &p->volume) *low = PETSC_MACHINE_EPSILON * p->cell_volume;
-  if (field->slot == &p->nu) *low = 0.0;
+  if (field->slot == &p->nu || field->slot == &p->interface) *low = 0.0;
+  if (field->slot == &p->fluid) {
+    *low  = 0.0;
+    *high = (PetscReal)SceneFluids(scene) - 1.0;
+  }
   if (field->slot == &p->dx) {
     *low  = SceneFinest(scene) * (1.0 - PETSC_SQRT_MACHINE_EPSILON);
     *high = SceneCoarsest(scene) * (1.0 + PETSC_SQRT_MACHINE_EPSILON);

@@ -4,7 +4,8 @@
 */
 #include "isph/scene.h"
 
-#define SAMPLES 8 /* along each side of a particle's cell */
+#define SAMPLES 8    /* along each side of a particle's cell */
+#define BESIDE  1e-4 /* distance at which both sides of a border are looked at [dx] */
 
 /* SceneViscosityVaries - Returns true if each particle has its own viscosity; not collective */
 PetscBool SceneViscosityVaries(const Scene *scene)
@@ -13,18 +14,31 @@ PetscBool SceneViscosityVaries(const Scene *scene)
                                                                            : PETSC_FALSE;
 }
 
+/* SceneFluids - Returns the number of fluids with interfaces between them; not collective */
+PetscInt SceneFluids(const Scene *scene)
+{
+  return scene->n_regions + 1;
+}
+
+/* SceneFluidAt - Returns the number of the fluid at a place at the start: k of -scene_fluid_k, 0
+   outside their regions; not collective */
+PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])
+{
+  PetscReal normal[ISPH_MAX_DIM];
+
+  for (PetscInt k = scene->n_regions; k > 0; k--)
+    if (BodyDistance(scene, &scene->region[k - 1], x, normal) <= 0.0) return k;
+  return 0;
+}
+
 /* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s]; not
    collective */
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
 {
-  PetscReal nu = scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
+  const PetscInt fluid = SceneFluidAt(scene, x);
 
-  for (PetscInt k = 0; k < scene->n_regions; k++) {
-    PetscReal normal[ISPH_MAX_DIM];
-
-    if (BodyDistance(scene, &scene->region[k], x, normal) <= 0.0) nu = scene->region_nu[k];
-  }
-  return nu;
+  if (fluid) return scene->region_nu[fluid - 1];
+  return scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
 }
 
 /* Returns true if x lies in the fluid at the start, or on its boundary or free surface. */
@@ -37,6 +51,169 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
   for (PetscInt k = 0; k < scene->n_filled; k++)
     if (SceneFilledDistance(scene, k, x) >= 0.0) return PETSC_TRUE;
   return scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Contents of both sides of a point on the border of a region. */
+typedef enum { BORDER_OF_FLUID, BORDER_COVERED, BORDER_INTERFACE } BorderKind;
+
+/* Returns the kind of a point on the border of a region: one side of it is outside the fluid; both
+   sides have one fluid, because a later region covers them; or it is on an interface. */
+static BorderKind ClassifyBorder(const Scene *scene, const PetscReal x[], const PetscReal normal[])
+{
+  PetscInt fluid[2];
+
+  for (PetscInt side = 0; side < 2; side++) {
+    PetscReal y[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < scene->dim; a++)
+      y[a] = x[a] + (side ? BESIDE : -BESIDE) * scene->dx * normal[a];
+    if (!IsInFluid(scene, y)) return BORDER_OF_FLUID;
+    fluid[side] = SceneFluidAt(scene, y);
+  }
+  return fluid[0] != fluid[1] ? BORDER_INTERFACE : BORDER_COVERED;
+}
+
+/* InterfacePointsCreate - Lists points on the interfaces at the start, a spacing apart; not
+   collective */
+PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points)
+{
+  const PetscInt dim  = scene->dim;
+  PetscInt       room = 0;
+
+  PetscFunctionBegin;
+  *points = (InterfacePoints){.n = 0};
+  for (PetscInt k = 0; k < scene->n_regions; k++) {
+    const Body     *region  = &scene->region[k];
+    const PetscReal spacing = BodySpacing(scene, region);
+
+    for (PetscInt q = 0; q < BodyPoints(region, spacing); q++) {
+      PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM];
+
+      (void)BodyPoint(region, q, spacing, x, normal);
+      if (ClassifyBorder(scene, x, normal) != BORDER_INTERFACE) continue;
+      if (points->n == room) {
+        room = 2 * room + 256;
+        PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)room, &points->region));
+        PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(room * dim), &points->x));
+        PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(room * dim), &points->normal));
+      }
+      for (PetscInt a = 0; a < dim; a++) {
+        points->x[points->n * dim + a]      = x[a];
+        points->normal[points->n * dim + a] = normal[a];
+      }
+      points->region[points->n++] = k;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* InterfacePointsDestroy - Frees the points; not collective */
+PetscErrorCode InterfacePointsDestroy(InterfacePoints *points)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(points->region));
+  PetscCall(PetscFree(points->x));
+  PetscCall(PetscFree(points->normal));
+  points->n = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the point on the interface of region k nearest to x: X - from the point to x, of the
+   nearest periodic image [m]; n - its normal; returns the distance, infinite if there is none. */
+static PetscReal NearestPoint(const Scene *scene, const InterfacePoints *points, PetscInt k,
+                              const PetscReal x[], PetscReal X[], PetscReal n[])
+{
+  PetscReal best = PETSC_INFINITY;
+
+  for (PetscInt q = 0; q < points->n; q++) {
+    PetscReal d[ISPH_MAX_DIM], r2 = 0.0;
+
+    if (points->region[q] != k) continue;
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      const PetscReal period = scene->hi[a] - scene->lo[a];
+
+      d[a] = x[a] - points->x[q * scene->dim + a];
+      if (SceneIsPeriodic(scene, a)) d[a] -= period * PetscFloorReal(d[a] / period + 0.5);
+      r2 += PetscSqr(d[a]);
+    }
+    if (r2 >= best) continue;
+    best = r2;
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      X[a] = d[a];
+      n[a] = points->normal[q * scene->dim + a];
+    }
+  }
+  return PetscSqrtReal(best);
+}
+
+/*
+  Returns the distance of x from the interface on the border of region k, at most `most` [m].
+  Output: normal - from the interface to x.
+
+  The nearest point of the border need not be on an interface. If it is at a boundary of the fluid
+  or beyond, the interface is continued there: round shapes themselves, others by their planes. If
+  a later region covers it, the nearest point of the rest counts.
+*/
+static PetscReal RegionInterface(const Scene *scene, const InterfacePoints *points, PetscInt k,
+                                 const PetscReal x[], PetscReal most, PetscReal normal[])
+{
+  const PetscInt  dim             = scene->dim;
+  const PetscBool round           = scene->region[k].shape->round;
+  const PetscReal d               = BodyDistance(scene, &scene->region[k], x, normal);
+  PetscReal       y[ISPH_MAX_DIM] = {0.0}, X[ISPH_MAX_DIM], n[ISPH_MAX_DIM], same = 0.0, h = 0.0;
+  PetscReal       r, ignored[ISPH_MAX_DIM];
+  BorderKind      kind;
+
+  if (PetscAbsReal(d) >= most) return most;
+  for (PetscInt a = 0; a < dim; a++) y[a] = x[a] - d * normal[a];
+  kind = ClassifyBorder(scene, y, normal);
+  r    = kind == BORDER_INTERFACE ? 0.0 : NearestPoint(scene, points, k, x, X, n);
+  if (r >= most + scene->dx) return most;
+  for (PetscInt a = 0; a < dim && r > 0.0; a++) {
+    same += n[a] * normal[a];
+    h += n[a] * X[a];
+  }
+  if (kind == BORDER_INTERFACE || (kind == BORDER_OF_FLUID && same > 0.5 && round)) {
+    for (PetscInt a = 0; a < dim; a++) normal[a] = d > 0.0 ? normal[a] : -normal[a];
+    return PetscAbsReal(d);
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    normal[a] = h > 0.0 ? n[a] : -n[a];
+    y[a]      = x[a] - h * n[a];
+  }
+  if (kind == BORDER_OF_FLUID ||
+      (ClassifyBorder(scene, y, n) == BORDER_INTERFACE &&
+       PetscAbsReal(BodyDistance(scene, &scene->region[k], y, ignored)) < BESIDE * scene->dx))
+    return PetscAbsReal(h);
+  for (PetscInt a = 0; a < dim; a++) normal[a] = X[a] / r;
+  return r;
+}
+
+/*
+  SceneInterface - Returns the distance of x from the nearest interface of two fluids at the start,
+  at most `most` [m]
+
+  Not collective. Interfaces are where SceneFluidAt() changes; beyond walls and free surfaces they
+  are continued, so that distances beside a straight interface are those from its plane.
+
+  Input: points - of InterfacePointsCreate(). Output: normal - unit, from the interface to x, into
+  the fluid of x; zero if there is no interface within `most`.
+*/
+PetscReal SceneInterface(const Scene *scene, const InterfacePoints *points, const PetscReal x[],
+                         PetscReal most, PetscReal normal[])
+{
+  PetscReal best = most;
+
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = 0.0;
+  for (PetscInt k = 0; k < scene->n_regions; k++) {
+    PetscReal       n[ISPH_MAX_DIM];
+    const PetscReal distance = RegionInterface(scene, points, k, x, best, n);
+
+    if (distance >= best) continue;
+    best = distance;
+    for (PetscInt a = 0; a < scene->dim; a++) normal[a] = n[a];
+  }
+  return best;
 }
 
 /* Returns true if the border of a region may cut the lattice cell around x. */

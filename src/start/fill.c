@@ -15,6 +15,26 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   }
 }
 
+/* Sets the fluid of each particle, and its distance from the interfaces of fluids. */
+static PetscErrorCode SetFluids(const Scene *scene, Particles *p)
+{
+  InterfacePoints points;
+
+  PetscFunctionBegin;
+  if (!p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(InterfacePointsCreate(scene, &points));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    p->fluid[i]     = (PetscReal)SceneFluidAt(scene, x);
+    p->interface[i] = SceneInterface(scene, &points, x, INTERFACE_REACH * p->dx[i], normal);
+    for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = normal[a];
+  }
+  PetscCall(InterfacePointsDestroy(&points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Removes the new wall particles on surfaces that are buried in another boundary. */
 static PetscErrorCode LeaveBuriedWalls(const Scene *scene, Particles *p)
 {
@@ -93,6 +113,7 @@ PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const Flui
     PetscCall(LeaveBuriedWalls(scene, p));
   }
   SetViscosities(scene, start, p);
+  PetscCall(SetFluids(scene, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   p->weight_start = p->weight_resized = p->weight;
   PetscFunctionReturn(PETSC_SUCCESS);
