@@ -49,6 +49,34 @@ PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *partic
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
                                      const WallValues *walls, const Vec u[], Operators *ops);
 
+#define STRAIN_MOST (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2) /* components of a symmetric tensor */
+
+/* The stresses of a rheology in Newton's iteration, see src/operators/tangent.c; arrays of own
+   fluid particles, tensors by their components a <= c. */
+typedef struct {
+  const Scene *scene;
+  Particles   *p;
+  Operators   *ops;
+  PetscReal   *nu;     /* nu_k [m^2/s] */
+  PetscReal   *strain; /* S_k [1/s] */
+  PetscReal   *slope;  /* theta_k nu'(g_k)/g_k [m^2 s] */
+  PetscReal   *u;      /* u_k by local index, components of a particle together [m/s] */
+  PetscReal   *change; /* dnu by local index [m^2/s] */
+  PetscBool    picard; /* theta = 0 */
+  PetscReal    error;  /* of the last TangentFollow(): |s - tau(u)| over |tau(u)| [-] */
+  PetscReal    stress; /* |tau(u)|, root mean square of (tau:tau/2)^1/2 [m^2/s^2] */
+} StressTangent;
+#define STRESS_ERROR 1e-3 /* largest error of the stresses of a solution [-] */
+
+PetscErrorCode TangentCreate(const Scene *scene, Particles *particles, Operators *ops,
+                             StressTangent **tangent);
+PetscErrorCode TangentDestroy(StressTangent **tangent);
+PetscErrorCode TangentFollow(StressTangent *tangent, const Vec u[], const WallValues *walls);
+PetscErrorCode TangentShare(const StressTangent *tangent, const Vec u[], const WallValues *walls,
+                            PetscReal *share);
+PetscErrorCode TangentApplyAdd(StressTangent *tangent, PetscReal scale, const Vec v[],
+                               const Vec y[]);
+
 PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt rows,
                             PetscInt entries);
 PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],

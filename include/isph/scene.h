@@ -330,6 +330,7 @@ PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, 
 PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
+PetscReal      RheologySlope(const Rheology *rheology, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);
 PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);

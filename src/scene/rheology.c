@@ -6,6 +6,8 @@
 */
 #include "isph/scene.h"
 
+#define SLOPE_STEP 1e-4 /* change of the strain rate for the slope of the viscosity [-] */
+
 /* ---- nu(g) [m^2/s] and its limits ---- */
 
 /* Returns nu = K g^(n-1) at the strain rate g, with consistency K and exponent n. */
@@ -108,6 +110,16 @@ const Table RheologyTable = TABLE("Rheologies", rheologies);
 PetscReal RheologyViscosity(const Rheology *r, PetscReal rate)
 {
   return PetscMin(PetscMax(r->row->Nu(r, rate), r->low), r->high);
+}
+
+/* RheologySlope - Returns dnu/dg at a strain rate g > 0, within the bounds of the viscosity, by
+   central differences over SLOPE_STEP g, whose error is of order SLOPE_STEP^2 [m^2]; not
+   collective */
+PetscReal RheologySlope(const Rheology *r, PetscReal rate)
+{
+  const PetscReal h = SLOPE_STEP * rate;
+
+  return (RheologyViscosity(r, rate + h) - RheologyViscosity(r, rate - h)) / (2.0 * h);
 }
 
 /* SceneIsNewtonian - Returns true if the viscosity does not depend on the strain rate; not

@@ -261,7 +261,7 @@ static const OptionRow options[] = {
         .name   = "-visc_snes_mf_operator",
         .expert = PETSC_TRUE,
         .kind   = VALUE_SOLVER,
-        .brief  = "Newton's method, preconditioned by the matrix of Picard's iteration",
+        .brief  = "differences of residuals in place of the derivative of the viscosity",
         .where  = "fluids that are not newtonian",
     },
 };

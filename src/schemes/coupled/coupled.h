@@ -83,24 +83,12 @@ typedef struct {
   PetscBool  force_by_stage; /* the force is computed at each stage, without convection */
   PetscBool  convects;       /* stages apply convection themselves */
   const Vec *advecting;      /* v of implicit convection; NULL: none [m/s] */
+
+  StressTangent *tangent; /* of a rheology in an iteration; NULL: none */
 } Coupled;
 
-#define MIX_DEPTH 5 /* earlier iterations that the viscosities of a rheology follow from */
-
-/* Viscosities of the iteration for a rheology, see rheology.c; arrays of own fluid particles. */
-typedef struct {
-  PetscInt   n, iterations, kept; /* particles; calls of CoupledFollowStrain(); changes kept */
-  PetscReal *given;               /* log nu_m of the last matrix [nu in m^2/s] */
-  PetscReal *followed;            /* log nu of the present velocity [nu in m^2/s] */
-  PetscReal *residual;            /* f_m [-] */
-  PetscReal *moved[MIX_DEPTH];    /* changes of `followed`, d(log nu)_s + df_s [-] */
-  PetscReal *fell[MIX_DEPTH];     /* changes df_s of the residual [-] */
-} ViscosityMix;
-
 /* rheology.c */
-PetscErrorCode CoupledMixBegin(PetscInt n, ViscosityMix *mix);
-PetscErrorCode CoupledMixEnd(ViscosityMix *mix);
-PetscErrorCode CoupledFollowStrain(Flow *flow, const Vec u[], ViscosityMix *mix);
+PetscErrorCode CoupledJacobian(Coupled *coupled, Vec b, Mat *J, Vec *rhs);
 
 /* solver.c */
 PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *coupled);

@@ -8,8 +8,7 @@
 */
 #include "coupled.h"
 
-#define PICARD_MOST   50  /* largest number of iterations of steady convection */
-#define RHEOLOGY_MOST 200 /* largest number of iterations with a rheology */
+#define PICARD_MOST 50 /* largest number of iterations of steady convection or a rheology */
 /* Change of u in the last iteration, relative to |u|, or to |u| + U in time. */
 #define PICARD_CHANGE 1e-6
 #define PICARD_SHARE  1e-2  /* of the residual that a solve of steady convection leaves */
@@ -22,16 +21,23 @@ static Vec Pressure(const Flow *flow)
   return flow->scheme->splines ? flow->scheme->splines->p : flow->state->p;
 }
 
-/* Solves the linear system, starting from the present unknowns. */
+/* Solves the linear system, or that of the next iteration for a rheology, starting from the present
+   unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 {
+  Mat J;
+  Vec rhs;
+
   PetscFunctionBegin;
-  PetscCall(KSPSetOperators(c->guard.solve.ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
+  PetscCall(CoupledJacobian(c, b, &J, &rhs));
+  PetscCall(KSPSetOperators(c->guard.solve.ksp, J, c->flat ? c->flat : c->saddle.P));
   PetscCall(KSPSetInitialGuessNonzero(c->guard.solve.ksp, PETSC_TRUE));
-  PetscCall(KSPSolve(c->guard.solve.ksp, b, c->x));
+  PetscCall(KSPSolve(c->guard.solve.ksp, rhs, c->x));
   PetscCall(KSPSetInitialGuessNonzero(c->guard.solve.ksp, PETSC_FALSE));
   PetscCall(GuardCheck(&c->guard, failure));
   c->guard.solve.iterations += c->guard.iterations;
+  PetscCall(VecDestroy(&rhs));
+  PetscCall(MatDestroy(&J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,16 +157,44 @@ static void FailIteration(const Flow *flow, PetscReal change, const Coupled *c,
   }
   FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
              "%s: viscosity and velocity did not converge: u still changes by %.1e (relative) "
-             "after %d iterations; try a smaller -dt, -scheme projection, or "
-             "-rheology_viscosity_min and -rheology_viscosity_max closer together",
-             c->guard.where, (double)change, RHEOLOGY_MOST);
+             "after %d iterations, stresses are off by %.1e; try a smaller -dt, -scheme "
+             "projection, or -rheology_viscosity_min and -rheology_viscosity_max closer together",
+             c->guard.where, (double)change, PICARD_MOST, (double)c->tangent->error);
+}
+
+/* Linearises the stresses of a rheology about the velocity v, with wall velocities at the end of
+   the step. */
+static PetscErrorCode Linearise(Flow *flow, const Vec v[], Coupled *c)
+{
+  PetscFunctionBegin;
+  if (!c->tangent) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, c->end, 0.0, &flow->walls));
+  PetscCall(TangentFollow(c->tangent, v, &flow->walls));
+  c->saddle.assemblies = -1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Extracts the velocity u after a solve, and shortens its change from v if that goes far beyond the
+   solution, see TangentShare(). */
+static PetscErrorCode TakeVelocity(Flow *flow, Vec u[], const Vec v[], Coupled *c)
+{
+  PetscReal share = 1.0;
+
+  PetscFunctionBegin;
+  PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
+  if (c->tangent) PetscCall(TangentShare(c->tangent, u, &flow->walls, &share));
+  if (share == 1.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SaddleGet(&c->saddle, c->x, u, Pressure(flow)));
+  for (PetscInt a = 0; a < c->saddle.dim; a++) PetscCall(VecAXPBY(u[a], 1.0 - share, share, v[a]));
+  PetscCall(SaddlePut(&c->saddle, u, Pressure(flow), c->x));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   Iterates for steady convection (v.grad) u, for viscosities nu(v) of a rheology, or for both. In
   each iteration v is the velocity u of the iteration before. The last iteration changes u by at
-  most the share PICARD_CHANGE. Input: start - velocity at the start of the step of length dt; NULL:
-  steady. Output: u.
+  most the share PICARD_CHANGE, and stresses differ from those of u by at most STRESS_ERROR. Input:
+  start - velocity at the start of the step of length dt; NULL: steady. Output: u.
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014), ch. 8
@@ -169,37 +203,36 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
                               Coupled *c, StepFailure *failure)
 {
   const Scene    *scene    = flow->scene;
-  const PetscBool follows  = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   const PetscBool convects = !start && SceneHas(scene, PHYSICS_CONVECTION);
-  const PetscInt  most     = follows ? RHEOLOGY_MOST : PICARD_MOST;
   Vec             pressure = Pressure(flow);
   PetscReal       change   = PETSC_INFINITY;
-  PetscBool       tight    = PETSC_TRUE;
-  ViscosityMix    mix;
+  PetscBool       tight = PETSC_TRUE, done = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(CoupledMixBegin(follows ? c->saddle.n : 0, &mix));
-  for (PetscInt k = 0; k < most && (change > PICARD_CHANGE || !tight) && !failure->code; k++) {
-    PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
-    if (follows) {
-      PetscCall(WallValuesSetVelocity(scene, flow->particles, c->end, 0.0, &flow->walls));
-      PetscCall(CoupledFollowStrain(flow, v, &mix));
-      c->saddle.assemblies = -1;
-    }
+  if (!SceneIsNewtonian(scene))
+    PetscCall(TangentCreate(scene, flow->particles, flow->ops, &c->tangent));
+  PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
+  PetscCall(Linearise(flow, v, c));
+  for (PetscInt k = 0; k < PICARD_MOST && !done && !failure->code; k++) {
     PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? v : NULL, c));
     PetscCall(SaddlePut(&c->saddle, v, pressure, c->x));
     if (start) {
       PetscCall(StepEuler(c->end, dt, start, c, failure));
     } else {
       PetscCall(CoupledRightHandSide(c, c->end));
-      if (follows) PetscCall(SolveLinear(c->b, c, failure));
+      if (c->tangent) PetscCall(SolveLinear(c->b, c, failure));
       else PetscCall(SolvePicard(c->b, c, failure, &tight));
     }
-    PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
+    PetscCall(TakeVelocity(flow, u, v, c));
     PetscCall(RelativeChange(c->saddle.dim, start ? scene->speed : 0.0, u, v, c->part, &change));
+    PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
+    PetscCall(Linearise(flow, v, c));
+    done = change <= PICARD_CHANGE && tight && (!c->tangent || c->tangent->error <= STRESS_ERROR)
+               ? PETSC_TRUE
+               : PETSC_FALSE;
   }
-  if (change > PICARD_CHANGE && !failure->code) FailIteration(flow, change, c, failure);
-  PetscCall(CoupledMixEnd(&mix));
+  if (!done && !failure->code) FailIteration(flow, change, c, failure);
+  PetscCall(TangentDestroy(&c->tangent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,30 +1,71 @@
 /*
   The nonlinear solver for rheologies: a SNES of type newtonls for the residual of a TS stage. Its
-  Jacobian is the matrix shift I - nu A with the present viscosities, so its steps are Picard's
-  iteration. With -visc_snes_mf_operator this matrix is the preconditioner of Newton's method.
+  Jacobian is the matrix shift I - nu A with the present viscosities, the preconditioner, and the
+  term of their changes by the velocity, which src/operators/tangent.c computes.
 */
 #include "viscosity.h"
 
-static PetscErrorCode TakesNewton(PetscBool *newton)
+#define ITERATION_MOST 50 /* largest number of iterations of a stage */
+
+/*
+  Ends the iteration if its residual is at most -visc_snes_rtol times its scale, the force or
+  tau/L, and the stresses are those of the velocity; otherwise linearises them about the velocity
+
+  The first residual is no scale: near a steady flow it is small, and at rest it may be that of a
+  viscosity far off.
+*/
+static PetscErrorCode Test(SNES snes, PetscInt it, PetscReal x, PetscReal dx, PetscReal norm,
+                           SNESConvergedReason *reason, void *ctx)
 {
+  Viscosity *v = (Viscosity *)ctx;
+  PetscReal  rtol, force;
+  PetscInt   rows;
+  Vec        u;
+
   PetscFunctionBegin;
-  *newton = PETSC_FALSE;
-  PetscCall(PetscOptionsGetBool(NULL, "visc_", "-snes_mf_operator", newton, NULL));
+  PetscCall(SNESGetSolution(snes, &u));
+  PetscCall(VecGetSize(u, &rows));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
+  PetscCall(VecNorm(v->all_force, NORM_2, &force));
+  PetscCall(ViscosityLinearise(v, u));
+  v->tolerance =
+      rtol * PetscMax(force, PetscSqrtReal(rows) * v->tangent->stress / v->flow->scene->length);
+  v->residual = norm;
+  *reason     = SNES_CONVERGED_ITERATING;
+  if (PetscIsInfOrNanReal(norm)) *reason = SNES_DIVERGED_FNORM_NAN;
+  else if (norm <= v->tolerance && v->tangent->error <= STRESS_ERROR)
+    *reason = SNES_CONVERGED_FNORM_ABS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Shortens a step u - du that goes far beyond the solution, see TangentShare(). */
+static PetscErrorCode Shorten(SNESLineSearch search, Vec u, Vec du, Vec next, PetscBool *du_is_new,
+                              PetscBool *next_is_new, void *ctx)
+{
+  Viscosity *v = (Viscosity *)ctx;
+  PetscReal  share;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < v->dim; c++)
+    PetscCall(VecStrideGather(next, c, v->part[c], INSERT_VALUES));
+  PetscCall(TangentShare(v->tangent, v->part, &v->flow->walls, &share));
+  *du_is_new   = PETSC_FALSE;
+  *next_is_new = share < 1.0 ? PETSC_TRUE : PETSC_FALSE;
+  if (*next_is_new) PetscCall(VecAXPBY(next, 1.0 - share, share, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   IterationChoose - Sets defaults of the nonlinear solver, which options may change
 
-  Collective. Measurements with power laws of exponent 0.2 to 3 and with viscoplastic fluids decided
-  the line searches. For Picard steps, the type secant (l2 before PETSc 3.24) took half the
-  iterations of full steps, and converged in cases in which full steps or bt did not; it may extend
-  a step. Newton steps use bt.
+  Collective. Steps are full: their stresses keep the iteration from going round in circles, see
+  TangentFollow(). A line search by the residual would shorten them, because the residual of a rigid
+  part hides that of the others.
 
   Errors: refuses an absolute tolerance, a SNES type that does not iterate, and -mat_type for a
   Jacobian without entries
 */
-PetscErrorCode IterationChoose(SNES snes)
+PetscErrorCode IterationChoose(Viscosity *v, SNES snes)
 {
   SNESLineSearch search;
   PetscBool      given, newton, type_given, once = PETSC_FALSE;
@@ -38,38 +79,21 @@ PetscErrorCode IterationChoose(SNES snes)
             ": the viscosity depends on the flow, so a single solve is not enough; use newtonls");
   PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
-  PetscCall(TakesNewton(&newton));
+  PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_mf_operator", &newton));
   PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_mf", &given));
   PetscCall(OptionGiven("-mat_type", &type_given));
   UserCheck(!type_given || (!newton && !given),
             "-mat_type: PETSc gives it to the matrix-free Jacobian of -visc_snes_mf_operator too, "
             "which has no entries; use -visc_mat_type and -ppe_mat_type");
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
+  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, ITERATION_MOST, PETSC_INT_MAX));
   /* the first residual is no reference: viscosities at rest may be far off */
   PetscCall(SNESSetDivergenceTolerance(snes, PETSC_UNLIMITED));
+  PetscCall(SNESSetApplicationContext(snes, v));
+  PetscCall(SNESSetConvergenceTest(snes, Test, v, NULL));
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHSECANT));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  IterationSetTolerance - Sets the absolute tolerance to -visc_snes_rtol times the scale of the
-  residual, because near a steady flow the first residual is small
-
-  Collective. Input: u - velocity at time t, before the step.
-*/
-PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
-{
-  PetscReal rtol, stol, scale;
-  PetscInt  its, evaluations;
-  SNES      snes;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetTolerances(snes, NULL, &rtol, &stol, &its, &evaluations));
-  PetscCall(ViscosityScale(v, t, u, v->all_force, &scale));
-  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, stol, its, evaluations));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(SNESLineSearchSetPostCheck(search, Shorten, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,8 +101,7 @@ PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
 PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 {
   SNESConvergedReason reason;
-  PetscReal           norm, scale;
-  PetscBool           newton;
+  Viscosity          *v;
   PetscInt            its;
   SNES                snes;
 
@@ -86,61 +109,14 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   if (reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESGetFunctionNorm(snes, &norm));
+  PetscCall(SNESGetApplicationContext(snes, (void *)&v));
   PetscCall(SNESGetIterationNumber(snes, &its));
-  PetscCall(SNESGetTolerances(snes, &scale, NULL, NULL, NULL, NULL));
-  PetscCall(TakesNewton(&newton));
   FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
              "%s: viscosity and velocity did not converge: %s after %" PetscInt_FMT
-             " iterations, residual %.1e times the tolerance; try a smaller -dt, %s "
-             "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max "
-             "closer together",
-             where, SNESConvergedReasons[reason], its, (double)(norm / scale),
-             newton ? "no" : "Newton's steps with");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  IterationFallBack - Replaces the line search secant (l2 before PETSc 3.24) by full Picard steps
-  after a failure: from rest this line search may go far beyond the solution and not return
-
-  Collective. Input: failure - failure of the step. Output: again - flag: the line search was
-  replaced, so the step should be repeated.
-*/
-PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
-{
-  SNESConvergedReason reason;
-  SNESLineSearch      search;
-  SNES                snes;
-
-  PetscFunctionBegin;
-  *again = PETSC_FALSE;
-  if (!failure->code || v->row->multistep) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetConvergedReason(snes, &reason));
-  PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(PetscObjectTypeCompare((PetscObject)search, SNESLINESEARCHSECANT, again));
-  if (reason >= 0) *again = PETSC_FALSE;
-  if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
-  PetscCall(
-      SayLine("%s: viscosity and velocity did not converge with line search " SNESLINESEARCHSECANT
-              ": %s; trying full Picard steps",
-              v->guard.where, SNESConvergedReasons[reason]));
-  v->guard.solve.falls++;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* IterationGoBack - Restores the line search secant after IterationFallBack(); collective */
-PetscErrorCode IterationGoBack(Viscosity *v)
-{
-  SNESLineSearch search;
-  SNES           snes;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSECANT));
+             " iterations, residual %.1e times the tolerance, stresses off by %.1e; try a smaller "
+             "-dt, or -rheology_viscosity_min and -rheology_viscosity_max closer together",
+             where, SNESConvergedReasons[reason], its, (double)(v->residual / v->tolerance),
+             (double)v->tangent->error);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -101,27 +101,49 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ViscosityScale - Computes the largest of three norms: viscous term of u, force, and nu u/L^2
-  [m/s^2]
-
-  Collective. The last norm estimates the viscous term of a flow of this size. Without it the scale
-  could vanish: between driving walls the viscous term vanishes in the steady state.
-*/
-PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
+/* ViscosityLinearise - Linearises the stress of a rheology about a velocity; see TangentFollow();
+   collective */
+PetscErrorCode ViscosityLinearise(Viscosity *v, Vec u)
 {
-  Vec       term;
-  PetscReal norm;
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecStrideGather(u, c, v->part[c], INSERT_VALUES));
+  PetscCall(TangentFollow(v->tangent, v->part, &v->flow->walls));
+  if (Viscous(v, 0)->B) PetscCall(ApplyBoundary(v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes y = (shift I - nu A) x less the term of the changes of the viscosity by x. */
+static PetscErrorCode Newton_Mult(Mat newton, Vec x, Vec y)
+{
+  Viscosity *v;
+  Vec        term[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(u, &term));
-  PetscCall(ViscousTerm(v, 0, t, u, term));
-  PetscCall(VecNorm(term, NORM_2, scale));
-  PetscCall(VecNorm(force, NORM_2, &norm));
-  *scale = PetscMax(*scale, norm);
-  PetscCall(VecNorm(u, NORM_2, &norm));
-  *scale = PetscMax(*scale, norm * v->flow->scene->nu / PetscSqr(v->flow->scene->length));
-  PetscCall(VecDestroy(&term));
+  PetscCall(MatShellGetContext(newton, &v));
+  PetscCall(MatMult(v->J, x, y));
+  for (PetscInt c = 0; c < v->dim; c++) {
+    PetscCall(VecStrideGather(x, c, v->part[c], INSERT_VALUES));
+    PetscCall(FlowGetWork(v->flow, &term[c]));
+    PetscCall(VecZeroEntries(term[c]));
+  }
+  PetscCall(TangentApplyAdd(v->tangent, -1.0, v->part, term));
+  for (PetscInt c = 0; c < v->dim; c++) {
+    PetscCall(VecStrideScatter(term[c], c, y, ADD_VALUES));
+    PetscCall(FlowRestoreWork(v->flow, &term[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityCreateNewton - Creates the Jacobian of a rheology, which J preconditions; collective */
+PetscErrorCode ViscosityCreateNewton(Viscosity *v)
+{
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetLocalSize(v->J, &n, NULL));
+  PetscCall(MatCreateShell(PetscObjectComm((PetscObject)v->J), n, n, PETSC_DETERMINE,
+                           PETSC_DETERMINE, v, &v->newton));
+  PetscCall(MatShellSetOperation(v->newton, MATOP_MULT, (void (*)(void))Newton_Mult));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,7 +177,8 @@ static PetscErrorCode SetWithSurface(const SurfaceStress *s, PetscReal shift, Ma
   ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
   viscosities or the advecting velocity may be new
 
-  Collective. J is P, or a matrix-free operator of the SNES.
+  Collective. J is P, or a product without entries. The viscosities of a rheology are those of u
+  already, see ViscosityLinearise().
 */
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx)
@@ -170,9 +193,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
-  if (v->nonlinear)
-    PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
-  else if (shift == v->shift && visc == v->operator_of_J)
+  if (!v->nonlinear && shift == v->shift && visc == v->operator_of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
   if (v->surface) PetscCall(SetWithSurface(v->surface, shift, P));
   else PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));

@@ -71,7 +71,7 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
     if (c) PetscCall(SNESSetKSP(snes, ksp));
     PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard handles failures */
   }
-  if (v->nonlinear) PetscCall(IterationChoose(snes));
+  if (v->nonlinear) PetscCall(IterationChoose(v, snes));
   v->guard.solve.ksp = ksp;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -240,6 +240,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscCall(VecDestroy(&v->all_force));
   PetscCall(VecDestroy(&v->all_walls));
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
+  PetscCall(MatDestroy(&v->newton));
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDestroy(&v->convection));
   PetscCall(SurfaceStressFree(v->surface));
@@ -296,6 +297,7 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
     PetscCall(TSGetSNES(v->ts[c], &snes));
     PetscCall(SNESReset(snes));
   }
+  PetscCall(MatDestroy(&v->newton));
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDestroy(&v->convection));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -320,8 +322,10 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
         AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
+  if (v->nonlinear) PetscCall(ViscosityCreateNewton(v));
   for (PetscInt c = 0; c < v->systems; c++) {
-    PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
+    PetscCall(TSSetIJacobian(v->ts[c], v->newton ? v->newton : v->J, v->J, ViscosityIJacobian,
+                             &v->component[c]));
   }
   v->guard.solve.matrix = v->J;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -329,8 +333,8 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 
 /* Advances a system over [t, t + dt], in a single TS step unless the user's -visc_ts_adapt_type
    takes several. */
-static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt, Vec u,
-                                         StepFailure *failure)
+static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                          Vec u, StepFailure *failure)
 {
   PetscReal h = dt;
 
@@ -338,35 +342,7 @@ static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, 
   PetscCall(TSSetSolution(v->ts[c], u));
   if (!v->row->multistep)
     PetscCall(TSRestartStep(v->ts[c])); /* stages of the last step belong to another flow */
-  if (v->nonlinear && v->guard.solve.ksp) PetscCall(IterationSetTolerance(v, t, u));
   PetscCall(TimeStepThrough(v->ts[c], v->row->name, &v->guard, t, dt, &h, failure));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Advances a system over [t, t + dt]; if the nonlinear solver fails, repeats the step with full
-   Picard steps. */
-static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
-                                          Vec u, StepFailure *failure)
-{
-  Vec       before;
-  PetscBool again;
-
-  PetscFunctionBegin;
-  if (!v->nonlinear || !v->guard.solve.ksp) {
-    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(VecDuplicate(u, &before));
-  PetscCall(VecCopy(u, before));
-  PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
-  PetscCall(IterationFallBack(v, failure, &again));
-  if (again) {
-    failure->code = PETSC_SUCCESS;
-    PetscCall(VecCopy(before, u));
-    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
-    PetscCall(IterationGoBack(v));
-  }
-  PetscCall(VecDestroy(&before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -410,8 +386,10 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
     PetscCall(VecStrideScatter(u[c], c, v->all, INSERT_VALUES));
     PetscCall(VecStrideScatter(force[c], c, v->all_force, INSERT_VALUES));
   }
+  if (v->newton) PetscCall(TangentCreate(flow->scene, flow->particles, flow->ops, &v->tangent));
   for (PetscInt c = 0; c < v->systems && !failure->code; c++)
     PetscCall(ViscosityStepSystem(v, c, t_new - dt, dt, all ? v->all : u[c], failure));
+  PetscCall(TangentDestroy(&v->tangent));
   for (PetscInt c = 0; c < v->dim && all; c++)
     PetscCall(VecStrideGather(v->all, c, u[c], INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);

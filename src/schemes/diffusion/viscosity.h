@@ -51,6 +51,7 @@ struct Viscosity {
   Mat                         J;             /* shift I - nu A, with the term of `surface` */
   PetscBool                   shell;         /* J only has products and a diagonal */
   PetscReal                   shift;         /* in J; NaN: J is out of date [1/s] */
+  Mat                         newton;        /* Jacobian of a rheology, J its preconditioner */
   Mat                         convection;    /* work matrix; NULL: convection not in J */
   const AffineOperator       *operator_of_J; /* the A in J */
   PetscInt                    assemblies;    /* stamp of the operators in J */
@@ -60,6 +61,9 @@ struct Viscosity {
   PetscReal      wall_t;
   Vec            all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
   Vec            part[ISPH_MAX_DIM];        /* their components; work vectors */
+
+  StressTangent *tangent;             /* of the present solve, of a rheology */
+  PetscReal      residual, tolerance; /* of the last iteration for a rheology [m/s^2] */
 
   Flow      *flow;              /* of the present solve, for callbacks */
   PetscReal  projection_factor; /* see WallValuesSetVelocity() */
@@ -80,15 +84,13 @@ PetscErrorCode SurfaceStressBoundary(const Viscosity *visc);
 PetscErrorCode SurfaceStressFree(SurfaceStress *surface);
 
 /* iteration.c */
-PetscErrorCode IterationChoose(SNES snes);
-PetscErrorCode IterationFallBack(Viscosity *visc, const StepFailure *failure, PetscBool *again);
-PetscErrorCode IterationGoBack(Viscosity *visc);
-PetscErrorCode IterationSetTolerance(Viscosity *visc, PetscReal t, Vec u);
+PetscErrorCode IterationChoose(Viscosity *visc, SNES snes);
 PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure);
 PetscErrorCode IterationView(const Viscosity *visc, PetscViewer viewer);
 
 /* terms.c */
-PetscErrorCode ViscosityScale(Viscosity *visc, PetscReal t, Vec u, Vec force, PetscReal *scale);
+PetscErrorCode ViscosityLinearise(Viscosity *visc, Vec u);
+PetscErrorCode ViscosityCreateNewton(Viscosity *visc);
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx);
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx);

@@ -1,0 +1,306 @@
+/*
+  The tangent of a rheology, for Newton's iteration. With S = grad u + grad u^T, g^2 = S:S/2 and the
+  kinematic stress tau = nu(g) S, an iteration from u_k to u solves the equations of flow with
+
+    s = nu_k S + theta_k nu'(g_k)/g_k (S_k:(S - S_k)/2) S_k,   nu_k = nu(g_k)
+
+  in place of tau. theta = 1 is Newton's iteration, theta = 0 Picard's. Newton's goes round in
+  circles where a law that softens is linearised at a stress above the one that the flow balances.
+  That one is s of the solve before, and for such a law
+
+    theta_k = s:tau(S_k)/|tau(S_k)|^2, at least 0 and at most 1
+
+  is Newton's iteration for a stress of its own, S = s/nu(g), restricted to the direction of S_k.
+  Stresses are bounded where viscosities are not, so |s - tau(u)| is the error of the iteration: it
+  cannot hide beside the viscosity of a rigid part.
+
+  References: M. Hintermueller, G. Stadler, SIAM J. Sci. Comput. 28 (2006) 1-23; A. Aposporidis, E.
+  Haber, M. A. Olshanskii, A. Veneziani, Comput. Methods Appl. Mech. Eng. 200 (2011) 2434-2446
+*/
+#include "isph/operators.h"
+
+#define STRESS_GROWTH 4.0  /* most stresses after a change over those that it balanced [-] */
+#define SHARE_LEAST   1e-3 /* of a change */
+
+/* Computes S of each own fluid particle [1/s]. Input: u - velocity components; walls - components
+   of the wall velocity, NULL: zero. */
+static PetscErrorCode Strain(const Operators *ops, const Particles *p, const Vec u[],
+                             const Vec walls[], PetscReal S[])
+{
+  const PetscInt     dim = p->dim, parts = dim * (dim + 1) / 2;
+  const PetscScalar *s;
+  Vec                slope;
+  PetscInt           part = 0;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(u[0], &slope));
+  for (PetscInt c = 0; c < dim; c++) {
+    for (PetscInt a = 0; a <= c; a++, part++) {
+      const AffineOperator *of_c = &OperatorsOfVelocity(ops, c)->grad_u[a],
+                           *of_a = &OperatorsOfVelocity(ops, a)->grad_u[c];
+
+      PetscCall(AffineApply(of_c, u[c], walls ? walls[c] : NULL, slope));
+      PetscCall(AffineApplyAdd(of_a, u[a], walls ? walls[a] : NULL, slope));
+      PetscCall(VecGetArrayRead(slope, &s));
+      for (PetscInt i = 0; i < p->n_fluid; i++) S[i * parts + part] = s[i];
+      PetscCall(VecRestoreArrayRead(slope, &s));
+    }
+  }
+  PetscCall(VecDestroy(&slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns A:B/2 of symmetric tensors. */
+static PetscReal HalfProduct(PetscInt dim, const PetscReal A[], const PetscReal B[])
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt c = 0, part = 0; c < dim; c++)
+    for (PetscInt a = 0; a <= c; a++, part++) sum += (a == c ? 0.5 : 1.0) * A[part] * B[part];
+  return sum;
+}
+
+/*
+  OperatorsStrainRate - Computes the strain rate of each fluid particle [1/s]
+
+    g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
+
+  Collective. Input: u - velocity components over the fluid; walls - components of the wall
+  velocity, NULL entries without walls. Output: g - n_fluid numbers.
+*/
+PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *p, const Vec u[],
+                                   const Vec walls[], PetscReal g[])
+{
+  const PetscInt parts = p->dim * (p->dim + 1) / 2;
+  PetscReal     *S;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid * parts, &S));
+  PetscCall(Strain(ops, p, u, walls, S));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    g[i] = PetscSqrtReal(HalfProduct(p->dim, &S[i * parts], &S[i * parts]));
+  PetscCall(PetscFree(S));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsFollowStrain - Computes the viscosities of a rheology from the strain rate, and updates
+  the viscous operator
+
+  Collective on the particles' communicator. Input: u - velocity components over the fluid; walls -
+  wall velocity. Output: p->nu with its halo, ops->velocity[0].visc.
+*/
+PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
+                                     const Vec u[], Operators *ops)
+{
+  PetscFunctionBegin;
+  PetscCall(OperatorsStrainRate(ops, p, u, walls->u, p->nu));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    p->nu[i] = RheologyViscosity(&scene->rheology, p->nu[i]);
+  PetscCall(ParticlesHaloField(p, p->nu));
+  PetscCall(OperatorsScaleViscosity(scene, p, ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TangentCreate - Creates the tangent of a rheology for the present operators, with Picard's matrix
+  of the present viscosities until the first TangentFollow()
+
+  Collective. To be called only if ops->forms.components_coupled. The tangent is valid until the
+  particles or operators change.
+*/
+PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
+                             StressTangent **tangent)
+{
+  const PetscInt n = p->n_fluid, parts = p->dim * (p->dim + 1) / 2;
+  StressTangent *t;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&t));
+  t->scene = scene;
+  t->p     = p;
+  t->ops   = ops;
+  PetscCall(PetscMalloc2(n, &t->nu, ParticlesAll(p) * p->dim, &t->u));
+  PetscCall(PetscCalloc3(n, &t->slope, n * parts, &t->strain, ParticlesAll(p), &t->change));
+  PetscCall(PetscArraycpy(t->nu, p->nu, n));
+  *tangent = t;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* TangentDestroy - Frees the tangent; not collective */
+PetscErrorCode TangentDestroy(StressTangent **tangent)
+{
+  PetscFunctionBegin;
+  if (!*tangent) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree2((*tangent)->nu, (*tangent)->u));
+  PetscCall(PetscFree3((*tangent)->slope, (*tangent)->strain, (*tangent)->change));
+  PetscCall(PetscFree(*tangent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Linearises the stress of particle i about S, and adds |s - tau(S)|^2/2 and |tau(S)|^2/2 to sum;
+   s: stress at S of the linearisation before. */
+static void Linearise(const StressTangent *t, PetscInt i, const PetscReal S[], PetscReal sum[2])
+{
+  const PetscInt  dim = t->p->dim, parts = dim * (dim + 1) / 2;
+  const PetscReal square = HalfProduct(dim, S, S), rate = PetscSqrtReal(square);
+  const PetscReal nu  = RheologyViscosity(&t->scene->rheology, rate);
+  PetscReal      *old = &t->strain[i * parts], error[STRAIN_MOST], theta = 1.0;
+  const PetscReal d = t->slope[i] * (HalfProduct(dim, old, S) - HalfProduct(dim, old, old));
+
+  for (PetscInt e = 0; e < parts; e++) error[e] = t->nu[i] * S[e] + d * old[e] - nu * S[e];
+  sum[0] += HalfProduct(dim, error, error);
+  sum[1] += PetscSqr(nu) * square;
+  t->slope[i] = rate > 0.0 ? RheologySlope(&t->scene->rheology, rate) / rate : 0.0;
+  if (t->slope[i] < 0.0) theta = 1.0 + HalfProduct(dim, error, S) / (nu * square);
+  t->slope[i] *= t->picard ? 0.0 : PetscMin(PetscMax(theta, 0.0), 1.0);
+  t->nu[i] = nu;
+  PetscCallVoid(PetscArraycpy(old, S, parts));
+}
+
+/* Computes the sums of |s|^2/2 and of |tau|^2/2 over own particles at S_k + share (S - S_k). */
+static void SumStresses(const StressTangent *t, const PetscReal S[], PetscReal share,
+                        PetscReal sum[2])
+{
+  const PetscInt dim = t->p->dim, parts = dim * (dim + 1) / 2;
+
+  sum[0] = sum[1] = 0.0;
+  for (PetscInt i = 0; i < t->p->n_fluid; i++) {
+    const PetscReal *old = &t->strain[i * parts], *S_i = &S[i * parts];
+    PetscReal        at[STRAIN_MOST], s[STRAIN_MOST];
+    const PetscReal  d = t->slope[i] * (HalfProduct(dim, old, S_i) - HalfProduct(dim, old, old));
+    PetscReal        square;
+
+    for (PetscInt e = 0; e < parts; e++) {
+      at[e] = old[e] + share * (S_i[e] - old[e]);
+      s[e]  = t->nu[i] * at[e] + share * d * old[e];
+    }
+    square = HalfProduct(dim, at, at);
+    sum[0] += HalfProduct(dim, s, s);
+    sum[1] += PetscSqr(RheologyViscosity(&t->scene->rheology, PetscSqrtReal(square))) * square;
+  }
+}
+
+/*
+  TangentShare - Returns the share of an iteration's change of velocity that should be taken: the
+  largest of 1, 1/2, 1/4, ... whose stresses are at most STRESS_GROWTH times those that the solve
+  balanced
+
+  Collective. The viscosity of a fluid that thickens is too small before a large change, which then
+  goes far beyond the solution. Input: u - velocity components after the change.
+*/
+PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallValues *walls,
+                            PetscReal *share)
+{
+  PetscReal *S, sum[2];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(t->p->n_fluid * t->p->dim * (t->p->dim + 1) / 2, &S));
+  PetscCall(Strain(t->ops, t->p, u, walls->u, S));
+  for (*share = 1.0; *share > SHARE_LEAST; *share *= 0.5) {
+    SumStresses(t, S, *share, sum);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, t->p->comm));
+    if (!(sum[1] > PetscSqr(STRESS_GROWTH) * sum[0])) break;
+  }
+  PetscCall(PetscFree(S));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TangentFollow - Linearises the stress about a velocity, and updates viscosities and viscous
+  operator
+
+  Collective. Input: u - velocity components, most often of a solve with the linearisation before.
+  Output: p->nu with its halo, ops->velocity[0].visc, and t->error and stress.
+*/
+PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *walls)
+{
+  const Particles *p   = t->p;
+  const PetscInt   dim = p->dim, parts = dim * (dim + 1) / 2;
+  PetscReal       *S, sum[3]           = {0.0, 0.0, (PetscReal)p->n_fluid};
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid * parts, &S));
+  PetscCall(Strain(t->ops, p, u, walls->u, S));
+  for (PetscInt i = 0; i < p->n_fluid; i++) Linearise(t, i, &S[i * parts], sum);
+  PetscCall(PetscFree(S));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
+  t->error  = sum[0] > 0.0 ? PetscSqrtReal(sum[0] / sum[1]) : 0.0;
+  t->stress = PetscSqrtReal(sum[1] / PetscMax(sum[2], 1.0));
+  for (PetscInt c = 0; c < dim; c++) PetscCall(LocalValues(p, u[c], walls->u[c], dim, t->u + c));
+  PetscCall(ParticlesHaloVectors(p, t->u));
+  PetscCall(PetscArraycpy(t->p->nu, t->nu, p->n_fluid));
+  PetscCall(ParticlesHaloField(p, t->p->nu));
+  PetscCall(OperatorsScaleViscosity(t->scene, p, t->ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds scale times the weights w of a slot of particle i times f to its components of y. */
+static void AddSlot(PetscInt dim, PetscInt width, PetscReal scale, const PetscReal w[],
+                    const PetscReal f[], PetscReal y[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    if (width == 1) y[a] += scale * w[0] * f[a];
+    for (PetscInt b = 0; width > 1 && b < dim; b++) y[a] += scale * w[a * dim + b] * f[b];
+  }
+}
+
+/* Computes the term sum_j dnu_ij w_ij (u_j - u_i) of particle i, whose row is that of
+   OperatorsScaleViscosity(); dnu_ij = nu_ij^2/2 (dnu_i/nu_i^2 + dnu_j/nu_j^2). */
+static void TermOfChanges(const StressTangent *t, PetscInt i, PetscReal y[])
+{
+  const Particles      *p    = t->p;
+  const AffineOperator *op   = &t->ops->velocity[0].visc;
+  const Pattern        *of[] = {&t->ops->rows.fluid, &t->ops->rows.walls};
+  const PetscReal      *w[] = {op->a, t->ops->forms.wall ? op->b : NULL}, *own = &t->u[p->dim * i];
+  PetscReal             difference[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->dim; a++) y[a] = 0.0;
+  for (PetscInt k = 0; k < 2 && w[k]; k++) {
+    for (PetscInt s = of[k]->row[i]; s < of[k]->row[i + 1]; s++) {
+      const PetscInt  j      = of[k]->local[s];
+      const PetscReal pair   = k ? p->nu[i] : PairViscosity(p->nu[i], p->nu[j]);
+      PetscReal       change = t->change[i];
+
+      if (!k)
+        change = 0.5 * PetscSqr(pair / p->nu[i]) * change +
+                 0.5 * PetscSqr(pair / p->nu[j]) * t->change[j];
+      for (PetscInt a = 0; a < p->dim; a++) difference[a] = t->u[p->dim * j + a] - own[a];
+      if (!k && of[k]->col[s] == p->row[i])
+        AddSlot(p->dim, op->width, change, &op->a[s * op->width], own, y);
+      else AddSlot(p->dim, op->width, change, &w[k][s * op->width], difference, y);
+    }
+  }
+}
+
+/*
+  TangentApplyAdd - Adds scale times the viscous term of the changes of the viscosity by v,
+
+    y += scale sum_j dnu_ij w_ij (u_j - u_i),   dnu = theta nu'(g)/g S:dS/2,   dS = S(v) - S(0)
+
+  at the velocity u of the last TangentFollow()
+
+  Collective. Input: v - velocity components, without wall data. Output: y [scale times m/s^2].
+*/
+PetscErrorCode TangentApplyAdd(StressTangent *t, PetscReal scale, const Vec v[], const Vec y[])
+{
+  const Particles *p   = t->p;
+  const PetscInt   dim = p->dim, parts = dim * (dim + 1) / 2;
+  PetscReal       *S, term[ISPH_MAX_DIM];
+  PetscScalar     *to[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid * parts, &S));
+  PetscCall(Strain(t->ops, p, v, NULL, S));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    t->change[i] = t->slope[i] * HalfProduct(dim, &t->strain[i * parts], &S[i * parts]);
+  PetscCall(PetscFree(S));
+  PetscCall(ParticlesHaloField(p, t->change));
+  for (PetscInt c = 0; c < dim; c++) PetscCall(VecGetArray(y[c], &to[c]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    TermOfChanges(t, i, term);
+    for (PetscInt c = 0; c < dim; c++) to[c][i] += scale * term[c];
+  }
+  for (PetscInt c = 0; c < dim; c++) PetscCall(VecRestoreArray(y[c], &to[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
