@@ -1,9 +1,12 @@
 /*
   Interfaces of fluids: distances from them at the start are those of the geometry, also where the
-  border of a region ends at a wall, is covered by another region, or has periodic images.
+  border of a region ends at a wall, is covered by another region, or has periodic images. Planes
+  from the distances of disordered particles are exact for straight interfaces, and of second order
+  for curved ones.
 */
-/* RANKS: 1 */
+/* RANKS: 1 2 */
 #include <string.h>
+#include "isph/start.h"
 #include "cloud.h"
 
 #define POINTS 2000
@@ -138,16 +141,132 @@ static void test_covered(void **state)
   CheckDistances(&scene, "disc on a square", 0.05 * scene.dx, ExactCovered);
 }
 
+/* As CloudAssertNone(), on this rank alone. */
+static void AssertNone(const char *what, const char *where, PetscBool wrong)
+{
+  if (wrong) print_error("%s: %s: wrong\n", where, what);
+  assert_false(wrong);
+}
+
+#define MOST 512 /* particles near a place */
+
+/* Fills a scene with disordered particles, and finds the plane at random places up to `near` from
+   the interface: gives the largest error of the offset, and of the fluid on each side. */
+static void CheckPlanes(Scene *scene, const char *what, PetscReal near,
+                        PetscReal (*Exact)(const PetscReal x[]), PetscReal *error)
+{
+  const WallPlacement walls = {0};
+  Particles          *p;
+  Cells               cells = {0};
+
+  scene->jitter = 0.3;
+  scene->seed   = 2;
+  *error        = 0.0;
+  assert_int_equal(ParticlesCreate(scene, 2.6 * scene->dx, &p), 0);
+  assert_int_equal(ParticlesFill(scene, walls, NULL, p), 0);
+  assert_int_equal(CellsBuild(p, 2.5 * scene->dx, &cells), 0);
+  for (PetscInt k = 0; k < POINTS; k++) {
+    PetscReal      x[ISPH_MAX_DIM] = {0.0};
+    PetscInt       list[MOST], n;
+    InterfacePlane plane;
+
+    for (PetscInt a = 0; a < scene->dim; a++)
+      x[a] = 0.5 * (scene->lo[a] + scene->hi[a]) +
+             0.499 * (scene->hi[a] - scene->lo[a]) * ParticlesHash(1, k, a);
+    if (!ParticlesHolds(p, x) || Exact(x) > near) continue;
+    assert_int_equal(CellsFind(&cells, x, 2.5 * scene->dx, MOST, list, &n), 0);
+    AssertNone("plane", what, (PetscBool)!InterfaceNear(p, x, n, list, &plane));
+    AssertNone("fluid", what,
+               Exact(x) > *error && plane.fluid[plane.offset < 0.0] != SceneFluidAt(scene, x));
+    *error = PetscMax(*error, PetscAbsReal(PetscAbsReal(plane.offset) - Exact(x)));
+  }
+  assert_int_equal(MPI_Allreduce(MPI_IN_PLACE, error, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD), 0);
+  assert_int_equal(CellsFree(&cells), 0);
+  assert_int_equal(ParticlesDestroy(&p), 0);
+}
+
+static PetscReal ExactBand(const PetscReal x[])
+{
+  return PetscAbsReal(PetscAbsReal(0.8 * x[1] - 0.6 * x[0] - 0.1) - 0.025);
+}
+
+/* Adds a band of the thickness dx along the line of ExactSlope(). */
+static void AddBand(Scene *scene)
+{
+  const PetscReal ends[] = {-1.0, -0.625 - 0.03125, 2.0,  1.625 - 0.03125,
+                            2.0,  1.625 + 0.03125,  -1.0, -0.625 + 0.03125};
+
+  AddPolygon(scene, 4, ends);
+}
+
+static PetscReal ExactBall(const PetscReal x[])
+{
+  PetscReal r2 = 0.0;
+
+  for (PetscInt a = 0; a < 3; a++) r2 += PetscSqr(x[a] - 0.5);
+  return PetscAbsReal(PetscSqrtReal(r2) - 0.25);
+}
+
+static PetscReal ExactCircle(const PetscReal x[])
+{
+  return PetscAbsReal(PetscSqrtReal(PetscSqr(x[0] - 0.5) + PetscSqr(x[1] - 0.5)) - 0.25);
+}
+
+/* In the middle of the band, where another interface is about as near, planes are not looked at. */
+static void test_planes(void **state)
+{
+  const PetscReal slope[] = {-1.0, -0.625, 2.0, 1.625, 2.0, 4.0, -1.0, 4.0};
+  Scene           scene;
+  PetscReal       error;
+
+  (void)state;
+  MakeScene(PETSC_FALSE, &scene);
+  AddPolygon(&scene, 4, slope);
+  CheckPlanes(&scene, "slope", 1.25 * scene.dx, ExactSlope, &error);
+  CloudAssertNone("exact", "slope", error > 1e-12);
+  MakeScene(PETSC_FALSE, &scene);
+  AddBand(&scene);
+  CheckPlanes(&scene, "band", 0.45 * scene.dx, ExactBand, &error);
+  CloudAssertNone("exact", "band", error > 1e-12);
+}
+
+/* Errors fall by at least 3 when the spacing is halved. */
+static void test_curved(void **state)
+{
+  const PetscReal middle[] = {0.5, 0.5, 0.5};
+
+  (void)state;
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    PetscReal error[2];
+
+    for (PetscInt finer = 0; finer < 2; finer++) {
+      Scene scene;
+
+      MakeScene(PETSC_FALSE, &scene);
+      scene.dim   = dim;
+      scene.hi[2] = 1.0;
+      for (PetscInt a = 0; a < dim; a++) scene.cells[a] = (dim == 2 ? 20 : 12) * (1 + finer);
+      scene.dx = 1.0 / scene.cells[0];
+      SceneSetSides(&scene, &BoundaryWall);
+      BodyBall(&scene, middle, 0.25, &scene.region[scene.n_regions++]);
+      CheckPlanes(&scene, dim == 2 ? "disc" : "ball", scene.dx, dim == 2 ? ExactCircle : ExactBall,
+                  &error[finer]);
+    }
+    CloudAssertNone("order", dim == 2 ? "disc" : "ball", error[1] > error[0] / 3.0);
+  }
+}
+
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_straight),
-      cmocka_unit_test(test_disc),
-      cmocka_unit_test(test_covered),
+      cmocka_unit_test(test_straight), cmocka_unit_test(test_disc),
+      cmocka_unit_test(test_covered),  cmocka_unit_test(test_planes),
+      cmocka_unit_test(test_curved),
   };
   int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
   return PetscFinalize() || failed ? 1 : 0;
 }

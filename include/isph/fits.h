@@ -182,6 +182,18 @@ static inline void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane 
   }
 }
 
+/* The plane of an interface of two fluids near a place x, see InterfaceNear(). */
+typedef struct {
+  PetscInt  fluid[2];             /* on the positive and on the negative side */
+  PetscReal offset;               /* signed distance of x from the plane [m] */
+  PetscReal normal[ISPH_MAX_DIM]; /* unit, into fluid[0] */
+} InterfacePlane;
+PetscBool      InterfaceNear(const Particles *p, const PetscReal x[], PetscInt count,
+                             const PetscInt list[], InterfacePlane *plane);
+PetscErrorCode InterfacesUpdateHalo(Particles *p);
+PetscErrorCode InterfacesFollow(Particles *p, const Neighbors *nb);
+void           InterfaceSlip(Particles *p, PetscInt i, const PetscReal slip[]);
+
 /* Rows of fits. */
 PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);

@@ -282,6 +282,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
     PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
+    PetscReal       slip[ISPH_MAX_DIM];
     const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
@@ -294,6 +295,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       if (weight[2] != 0.0) flown[a] += weight[2] * state->u_earlier[a][i];
       flown[a] *= clock->dt;
     }
+    for (PetscInt a = 0; a < scene->dim; a++) slip[a] = -p->x[a][i] - flown[a];
     if (graded) GradedPath(scene, p, i, flown);
     for (PetscInt a = 0; a < scene->dim; a++) {
       x[a] = p->x[a][i] + flown[a] + shift[a];
@@ -306,6 +308,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       pushed[a] = path[a] - flown[a] - shift[a];
       if (!on_surface) shift[a] += pushed[a];
     }
+    for (PetscInt a = 0; a < scene->dim; a++) slip[a] += x[a];
+    if (p->fluid) InterfaceSlip(p, i, slip);
     *work += EnergyWork(flow, i, path);
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;

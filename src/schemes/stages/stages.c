@@ -37,6 +37,7 @@ static PetscErrorCode Rebuild(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(UpdateNeighbors(flow));
+  PetscCall(InterfacesUpdateHalo(flow->particles));
   PetscCall(FlowAssemble(flow));
   PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
   PetscCall(FlowStateRenumber(flow));
@@ -122,6 +123,10 @@ static PetscErrorCode FollowAndRebuild(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(FlowFollow(flow));
+  if (flow->particles->fluid) {
+    PetscCall(UpdateNeighbors(flow));
+    PetscCall(InterfacesFollow(flow->particles, flow->neighbors));
+  }
   PetscCall(Rebuild(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
