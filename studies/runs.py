@@ -156,6 +156,25 @@ class Runs:
         self.unsaved = 0
 
 
+def instructions(isph, arguments, numbers, folder):
+    """Returns the instructions of a particle and step by valgrind, from runs of two numbers of steps; a sentence if one fails."""
+    counts, steps = [], []
+    for number in numbers:
+        path = os.path.join(folder, f"{number}.csv")
+        done = subprocess.run(["valgrind", "--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null", isph,
+                               *shlex.split(arguments), "-max_steps", str(number), "-progress", "none", "-report", path],
+                              capture_output=True, text=True, check=False)
+        told = re.search(r"I\s+refs:\s+([\d,]+)", done.stderr)
+        if done.returncode or not told:
+            return f"valgrind: {(done.stderr.strip().splitlines() or [''])[-1]}"
+        counts.append(int(told.group(1).replace(",", "")))
+        with open(path, newline="") as file:
+            row = list(csv.DictReader(file))[-1]
+        os.remove(path)
+        steps.append(int(row["steps"]))
+    return (counts[1] - counts[0]) / (steps[1] - steps[0]) / int(row["particles"])
+
+
 def last_rows(path, end):
     """Returns the quantities in the last rows of a -probe_ file."""
     kind = re.search(r"_(\w+)\.csv$", os.path.basename(path)).group(1)
