@@ -15,7 +15,8 @@ typedef struct {
 extern const BalanceRow BalanceRows[BALANCES];
 extern const Observer   ObserverFlight;
 
-void      BalanceSet(BalanceKind kind, PetscReal value, PetscReal t, BalanceSheet *sheet);
+void      BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal t,
+                     BalanceSheet *sheet);
 PetscBool BalanceWorst(const Flow *flow, const char **name, PetscReal *value, PetscReal *bound);
 PetscErrorCode FlightRemember(const Scene *scene, Scheme *scheme);
 

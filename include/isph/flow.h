@@ -210,8 +210,9 @@ typedef struct {
 /* Violations of the balances, relative to their scales. */
 typedef struct {
   PetscInt  applies[BALANCES];
-  PetscReal value[BALANCES]; /* positive or zero [-] */
-  PetscReal t[BALANCES];     /* their times [s] */
+  PetscReal residual[BALANCES]; /* as measured, positive or zero [-] */
+  PetscReal value[BALANCES];    /* the part of it beyond its own error [-] */
+  PetscReal t[BALANCES];        /* their times [s] */
   Flight    flight;
 } BalanceSheet;
 

@@ -59,6 +59,8 @@ PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value);
 PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
                                   PetscReal reference, PetscReal scale);
 PetscErrorCode ReportAddMissing(Report *report, const char name[]);
+PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal residual,
+                               PetscReal error);
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error);
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4]);
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);

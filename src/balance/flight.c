@@ -106,7 +106,8 @@ static void Note(const Means *mean, PetscInt of, PetscReal scale, Flow *flow)
     square += PetscSqr(mean->of[of][a] - sheet->flight.start[of][a] - sheet->flight.given[of][a]);
   value                = PetscSqrtReal(square) / scale;
   sheet->applies[kind] = 1;
-  if (value > sheet->value[kind]) BalanceSet(kind, value, flow->clock->t + flow->clock->dt, sheet);
+  if (value > sheet->value[kind])
+    BalanceSet(kind, value, value, flow->clock->t + flow->clock->dt, sheet);
 }
 
 /* Begins a flight with the momentum of the fluid. */

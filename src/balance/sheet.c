@@ -17,7 +17,8 @@ const BalanceRow BalanceRows[BALANCES] = {
     [BALANCE_MASS] =
         {
             .name   = "mass_balance",
-            .brief  = "flux into the fluid through all boundaries, over the flux through openings",
+            .brief  = "flux into the fluid through all boundaries, over the flux through openings; "
+                      "moving particles: change of their volume, over that at the start",
             .what   = "mass not kept: more or less fluid enters than leaves",
             .remedy = "try a larger -n",
             .bound  = 0.01,
@@ -66,13 +67,16 @@ const BalanceRow BalanceRows[BALANCES] = {
         },
 };
 
-/* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input: value -
-   of any sign, relative to its scale [-]; t - its time [s]. */
-void BalanceSet(BalanceKind kind, PetscReal value, PetscReal t, BalanceSheet *sheet)
+/* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input: residual -
+   of any sign, relative to its scale; value - the part of it that its own error does not explain,
+   positive or zero [-]; t - its time [s]. */
+void BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal t,
+                BalanceSheet *sheet)
 {
-  sheet->applies[kind] = 1;
-  sheet->value[kind]   = PetscAbsReal(value);
-  sheet->t[kind]       = t;
+  sheet->applies[kind]  = 1;
+  sheet->residual[kind] = PetscAbsReal(residual);
+  sheet->value[kind]    = value;
+  sheet->t[kind]        = t;
 }
 
 /*

@@ -141,11 +141,21 @@ PetscErrorCode ReportAddMissing(Report *report, const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ReportAddBeyond - Adds a relative residual, and as its error the part of it that is a fault [-];
+   not collective */
+PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal residual,
+                               PetscReal error)
+{
+  PetscFunctionBegin;
+  PetscCall(ReportMeasured(report, name, residual, NAN, error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ReportAddError - Adds a quantity that is itself a relative error [-]; not collective */
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
 {
   PetscFunctionBegin;
-  PetscCall(ReportMeasured(report, name, error, NAN, error));
+  PetscCall(ReportAddBeyond(report, name, error, error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -135,6 +135,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
   if (SceneMoves(flow->scene) && flow->clock->bursts)
     PetscCall(ReportAdd(report, "bursts", flow->clock->bursts));
-  BalanceSet(BALANCE_VOLUME, volume / mass - 1.0, flow->clock->t, &flow->scheme->sheet);
+  BalanceSet(BALANCE_VOLUME, volume / mass - 1.0, PetscAbsReal(volume / mass - 1.0), flow->clock->t,
+             &flow->scheme->sheet);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,7 +8,7 @@
 #include "entrants.h"
 
 #define PLACE 0.35 /* distance of the place from the side [dx] */
-#define SPACE 0.75 /* distance of the nearest fluid, with which the right volume enters [dx] */
+#define SPACE 0.70 /* distance of the nearest fluid, with which the right volume enters [dx] */
 #define NEAR  2.0  /* distance within which fluid decides on the direction [dx] */
 
 /* Returns the velocity of particle i into the box through a side [m/s]. */

@@ -4,7 +4,8 @@
 */
 #include "rows.h"
 
-#define GROUP 64 /* particles whose images are treated together */
+#define GROUP  64 /* particles whose images are treated together */
+#define BEYOND 8  /* points of the integrals of a kernel beyond an opening */
 
 /* Particles of a group, relative to particle i: itself and fluid neighbours. */
 typedef struct {
@@ -155,6 +156,54 @@ static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
 }
 
 /*
+  Adds the fluid beyond an opening, which has no particles: a half space of concentration 1 at the
+  distance d along the unit vector -n,
+
+    C += int_{z > d} W dV,   grad C -= n int_{z = d} W dA.
+
+  Images in the side would keep particles in the box, as a wall does, and have whatever
+  concentration is there; this fluid lets that of the box neither grow nor fall.
+*/
+static void AddBeyond(const KernelRow *kernel, const Stencil *st, const WallPlane *plane,
+                      PetscReal *concentration, PetscReal gradient[])
+{
+  const PetscReal d    = PetscMax(plane->distance, 0.0);
+  const PetscReal step = PetscSqrtReal(PetscMax(PetscSqr(st->radius) - d * d, 0.0)) / BEYOND;
+  PetscReal       s[BEYOND], r[BEYOND], W[BEYOND], dW[BEYOND], ddW[BEYOND], part = 0.0, area = 0.0;
+
+  for (PetscInt k = 0; k < BEYOND; k++) {
+    s[k] = (k + 0.5) * step;
+    r[k] = PetscSqrtReal(d * d + s[k] * s[k]);
+  }
+  KernelEvaluateAll(kernel, st->dim, st->h, BEYOND, r, W, dW, ddW);
+  for (PetscInt k = 0; k < BEYOND; k++) { /* the shell between r and r + dr, dr = s ds/r */
+    const PetscReal ring = st->dim == 2 ? 2.0 * step : 2.0 * PETSC_PI * s[k] * step;
+    const PetscReal cap  = st->dim == 2 ? s[k] * PetscAcosReal(d / r[k]) : r[k] - d;
+
+    area += W[k] * ring;
+    part += W[k] * ring * cap;
+  }
+  *concentration += part;
+  for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= area * plane->normal[a];
+}
+
+/* Takes the openings out of the planes near particle i and adds the fluid beyond them. */
+static void AddOpenings(const Scene *scene, const KernelRow *kernel, const Stencil *st,
+                        const PetscReal x[], WallPlane planes[], PetscInt *n,
+                        PetscReal *concentration, PetscReal gradient[])
+{
+  PetscInt kept = 0;
+
+  for (PetscInt k = 0; k < *n; k++) {
+    if (BoundaryIs(scene, planes[k].side, BOUNDARY_OUTFLOW) ||
+        BoundaryIsOpen(scene, planes[k].side, x))
+      AddBeyond(kernel, st, &planes[k], concentration, gradient);
+    else planes[kept++] = planes[k];
+  }
+  *n = kept;
+}
+
+/*
   ConcentrationRow - Computes the concentration at particle i and its gradient
 
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
@@ -183,6 +232,8 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
 
   SumNeighbors(st, mirrored, concentration, sum);
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
+  if (!SceneHasFreeSurface(scene))
+    AddOpenings(scene, kernel, st, x, planes, &n_planes, concentration, sum);
   AddSurfacePlane(st, planes, &n_planes);
   if (n_planes) ConcentrationImages(kernel, st, planes, n_planes, concentration, sum);
   for (PetscInt a = 0; a < st->dim; a++) stretched *= st->stretch[a];
