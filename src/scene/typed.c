@@ -395,9 +395,11 @@ PetscErrorCode SceneReadTyped(Scene *scene)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) box[dim + a] = scene->length;
-  PetscCall(OptionGetReals(&options[BOX], 2 * dim, box, &n, &given));
+  PetscCall(OptionGetReals(&options[BOX], 2 * ISPH_MAX_DIM, box, &n, &given));
   UserCheck(!given || n == 2 * dim,
-            "-scene_box: %" PetscInt_FMT " numbers are required, got %" PetscInt_FMT, 2 * dim, n);
+            "-scene_box: %" PetscInt_FMT " numbers are required with -dim %" PetscInt_FMT
+            ", got %" PetscInt_FMT,
+            2 * dim, dim, n);
   for (PetscInt a = 0; a < dim; a++) {
     scene->lo[a] = box[a];
     scene->hi[a] = box[dim + a];

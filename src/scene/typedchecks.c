@@ -63,20 +63,26 @@ static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, co
 }
 
 /* Computes the gap between point q of the surface of body k and the nearest other wall, negative in
-   it [m]; returns false for a point that is no wall for the fluid. */
-static PetscBool BodyGap(const Scene *scene, PetscInt k, PetscInt q, PetscReal x[], PetscReal *gap)
+   it [m]; returns false for a point that is no wall for the fluid. Output: acute - the gap is that
+   of a corner with a side. */
+static PetscBool BodyGap(const Scene *scene, PetscInt k, PetscInt q, PetscReal x[], PetscReal *gap,
+                         PetscBool *acute)
 {
   const Body *body = SceneBody(scene, k);
   PetscReal   normal[ISPH_MAX_DIM], other[ISPH_MAX_DIM];
 
   (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
   if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) return PETSC_FALSE;
-  *gap = PETSC_INFINITY;
+  *gap   = PETSC_INFINITY;
+  *acute = PETSC_FALSE;
   for (PetscInt m = 0; m < scene->n_bodies; m++)
     if (m != k) *gap = PetscMin(*gap, BodyDistance(scene, SceneBody(scene, m), x, other));
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
-      *gap = PetscMin(*gap, SideGap(scene, body, side, x, normal));
+    const PetscReal to_side = SideGap(scene, body, side, x, normal);
+
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES) || to_side >= *gap) continue;
+    *gap   = to_side;
+    *acute = StandsOn(scene, body, side);
   }
   return PETSC_TRUE;
 }
@@ -94,15 +100,18 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body  = SceneBody(scene, k);
     PetscReal   worst = PETSC_INFINITY, least = 0.0, at[ISPH_MAX_DIM];
+    PetscBool   corner = PETSC_FALSE;
     char        place[PLACE_TEXT];
 
     for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
       PetscReal x[ISPH_MAX_DIM], gap;
+      PetscBool acute;
 
-      if (!BodyGap(scene, k, q, x, &gap)) continue;
+      if (!BodyGap(scene, k, q, x, &gap, &acute)) continue;
       if (gap >= 4.0 * SceneSpacing(scene, x) || gap >= worst) continue;
-      worst = gap;
-      least = 4.0 * SceneSpacing(scene, x);
+      worst  = gap;
+      corner = acute;
+      least  = 4.0 * SceneSpacing(scene, x);
       for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) at[a] = x[a];
     }
     UserCheck(
@@ -111,6 +120,12 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
         ": at (%s) it overlaps another wall by %.3g, at any -n; type both as one shape, such as "
         "a polygon, or leave a gap of 4 dx = %.3g",
         k + 1, ScenePlaceText(scene, at, place), (double)-worst, (double)least);
+    UserCheck(
+        worst >= least || !corner,
+        "-scene_body_%" PetscInt_FMT
+        ": at (%s) it meets a side of the box at an acute angle, at any -n; move it, or close "
+        "the corner by another shape",
+        k + 1, ScenePlaceText(scene, at, place));
     UserCheck(worst >= least,
               "-scene_body_%" PetscInt_FMT
               ": at (%s) it is %.3g from another wall; less than 4 dx = %.3g; use a larger -n",
