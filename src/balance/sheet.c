@@ -67,9 +67,9 @@ const BalanceRow BalanceRows[BALANCES] = {
         },
 };
 
-/* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input: residual -
-   of any sign, relative to its scale; value - the part of it that its own error does not explain,
-   positive or zero [-]; t - its time [s]. */
+/* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input:
+   residual - of any sign, relative to its scale; value - the part of it that its own error does
+   not explain, positive or zero [-]; t - its time [s]. */
 void BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal t,
                 BalanceSheet *sheet)
 {
