@@ -9,8 +9,9 @@
 #define ALONG        0.2  /* weight of the distance of a foot along the interface */
 #define ALIKE        0.5  /* least product of normals of particles that see one interface */
 #define AGREE        0.3  /* largest difference of their distances of the place from it [dx] */
-#define RIDGE        1e-6 /* of the change of the normal by a fit */
-#define NEARER       0.25 /* least difference for another interface to be seen [dx_i] */
+#define RIDGE        0.01 /* of the change of the normal by a fit [dx^2] */
+#define BESIDE       1.25 /* most along an interface from particles that see it [dx_i] */
+#define RELAX        0.2  /* part of the way of a distance to that of its fit in a step */
 #define STRETCH_MOST 2.0  /* of distances between two steps */
 #define UNKNOWN      (ISPH_MAX_DIM + 1)
 
@@ -88,8 +89,9 @@ static void AddEquation(PetscInt dim, const Sight *sight, PetscReal w, PetscReal
 
   which a quadratic phi satisfies with c = phi and n + delta between n and its gradient.
 */
-static void SumSights(const Particles *p, const PetscReal x[], PetscInt own, PetscInt count,
-                      const PetscInt list[], const PetscReal n[], PetscReal offset, Sums *sums)
+static void SumSights(const Particles *p, const PetscReal front[], const PetscReal x[],
+                      PetscInt own, PetscInt count, const PetscInt list[], const PetscReal n[],
+                      PetscReal offset, Sums *sums)
 {
   *sums = (Sums){.sum = 0.0};
   for (PetscInt k = 0; k < count; k++) {
@@ -98,21 +100,11 @@ static void SumSights(const Particles *p, const PetscReal x[], PetscInt own, Pet
     PetscReal       told, alike;
     Sight           sight;
 
-    if (!Sees(p, j)) continue;
+    if (!Sees(p, j) || (front && !front[j])) continue;
     Look(p, x, own, j, &sight);
     told = Told(p->dim, &sight, n, &alike);
     if (sight.r >= R || alike < ALIKE || PetscAbsReal(told - offset) > AGREE * p->dx[j]) continue;
     AddEquation(p->dim, &sight, PetscSqr(1.0 - PetscSqr(sight.r / R)), told, sums);
-  }
-}
-
-/* Gives c a value, in place of its equation. */
-static void FixValue(PetscInt dim, PetscReal c, Sums *sums)
-{
-  sums->b[0] = c * (sums->A[0] = PetscMax(sums->sum, 1.0));
-  for (PetscInt a = 1; a <= dim; a++) {
-    sums->b[a] -= c * sums->A[a];
-    sums->A[a] = sums->A[a * (dim + 1)] = 0.0;
   }
 }
 
@@ -127,6 +119,31 @@ static void SolveSums(PetscInt dim, PetscReal dx, Sums *sums)
     return;
   }
   DenseCholeskySolve(dim + 1, sums->A, sums->b);
+}
+
+/* Fits the plane of the interface with the normal n at the distance `offset`: gives its distance d
+   from the place and its normal; returns false, and changes neither, without particles. */
+static PetscBool FitPlane(const Particles *p, const PetscReal front[], const PetscReal x[],
+                          PetscInt own, PetscInt count, const PetscInt list[], PetscReal offset,
+                          PetscReal *d, PetscReal n[])
+{
+  PetscReal mean[ISPH_MAX_DIM] = {0.0}, length = 0.0;
+  Sums      sums;
+
+  SumSights(p, front, x, own, count, list, n, offset, &sums);
+  if (sums.sum == 0.0) return PETSC_FALSE;
+  for (PetscInt a = 0; a < p->dim; a++) mean[a] = sums.mean[a] / sums.sum;
+  SumSights(p, front, x, own, count, list, mean, offset, &sums);
+  if (sums.sum == 0.0) return PETSC_FALSE;
+  SolveSums(p->dim, p->dx[list[0]], &sums);
+  for (PetscInt a = 0; a < p->dim; a++) {
+    n[a] = mean[a] + 2.0 * sums.b[1 + a];
+    length += PetscSqr(n[a]);
+  }
+  length = PetscSqrtReal(length);
+  for (PetscInt a = 0; a < p->dim; a++) n[a] /= length;
+  *d = sums.b[0] / length;
+  return PETSC_TRUE;
 }
 
 /* Finds the particle that sees the interface nearest to the place, by the distances of its plane
@@ -206,9 +223,8 @@ PetscBool InterfaceNear(const Particles *p, const PetscReal x[], PetscInt count,
                         const PetscInt list[], InterfacePlane *plane)
 {
   PetscInt  nearest, leader = FindLeader(p, x, count, list, &nearest), own, other;
-  PetscReal n[ISPH_MAX_DIM] = {0.0}, length = 0.0, offset, alike;
+  PetscReal offset, alike;
   Sight     sight;
-  Sums      sums;
 
   own    = nearest < 0 ? 0 : (PetscInt)p->fluid[nearest];
   *plane = (InterfacePlane){.fluid = {own, own}, .offset = PETSC_INFINITY};
@@ -216,18 +232,9 @@ PetscBool InterfaceNear(const Particles *p, const PetscReal x[], PetscInt count,
   own = (PetscInt)p->fluid[leader];
   Look(p, x, own, leader, &sight);
   offset = Told(p->dim, &sight, sight.n, &alike);
-  SumSights(p, x, own, count, list, sight.n, offset, &sums);
-  for (PetscInt a = 0; a < p->dim; a++) n[a] = sums.mean[a] / sums.sum;
-  SumSights(p, x, own, count, list, n, offset, &sums);
-  if (sums.sum == 0.0) return PETSC_FALSE;
-  SolveSums(p->dim, p->dx[leader], &sums);
-  for (PetscInt a = 0; a < p->dim; a++) {
-    plane->normal[a] = n[a] + 2.0 * sums.b[1 + a];
-    length += PetscSqr(plane->normal[a]);
-  }
-  length = PetscSqrtReal(length);
-  for (PetscInt a = 0; a < p->dim; a++) plane->normal[a] /= length;
-  plane->offset   = sums.b[0] / length;
+  for (PetscInt a = 0; a < p->dim; a++) plane->normal[a] = sight.n[a];
+  if (!FitPlane(p, NULL, x, own, count, list, offset, &plane->offset, plane->normal))
+    return PETSC_FALSE;
   plane->fluid[0] = own;
   other           = FindBeyond(p, x, count, list, plane);
   plane->fluid[1] = other < 0 ? own : (PetscInt)p->fluid[other];
@@ -249,16 +256,46 @@ typedef struct {
   PetscReal d, n[ISPH_MAX_DIM]; /* [m], [-] */
 } Seen;
 
-/* Restores the distance d = phi/|grad phi| of particle i that sees an interface, with the gradient
-   by a fit to the distances that neighbours carry. */
+/* Returns true if particle i sees an interface that the fluids around its foot bear out: more of
+   them are on their sides of it than are not. Such particles carry the place of an interface, and
+   others take it from them. */
+static PetscBool IsFront(const Particles *p, PetscInt i, PetscInt count, const PetscInt list[],
+                         const PetscReal x[])
+{
+  const PetscInt  own   = (PetscInt)p->fluid[i];
+  const PetscReal dx    = p->dx[i];
+  PetscInt        votes = 0;
+  Sight           at, sight;
+
+  if (!Sees(p, i)) return PETSC_FALSE;
+  Look(p, x, own, i, &at);
+  for (PetscInt k = 0; k < count; k++) {
+    PetscReal height = 0.0, along2;
+    PetscBool same;
+
+    if (ParticlesIsWall(p, list[k])) continue;
+    Look(p, x, own, list[k], &sight);
+    for (PetscInt a = 0; a < p->dim; a++) height += at.n[a] * sight.X[a];
+    along2 = PetscSqr(sight.r) - PetscSqr(height);
+    if (sight.r > RADIUS * dx || along2 > PetscSqr(BESIDE * dx)) continue;
+    height += at.phi;
+    same = (PetscInt)p->fluid[list[k]] == own ? PETSC_TRUE : PETSC_FALSE;
+    if (height < 0.0 && height > -dx) votes += same ? -1 : 1;
+    if (height > AGREE * dx && !same) votes--;
+  }
+  return votes > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Brings the distance of particle i towards c/|grad phi| of a fit to the distances that it and its
+   neighbours carry, and turns its normal along the gradient. */
 static void Restore(const Particles *p, PetscInt i, PetscInt count, const PetscInt list[],
                     const PetscReal x[], Seen *seen)
 {
   PetscReal length = 0.0;
   Sums      sums;
 
-  SumSights(p, x, (PetscInt)p->fluid[i], count, list, seen->n, seen->d, &sums);
-  FixValue(p->dim, seen->d, &sums);
+  SumSights(p, NULL, x, (PetscInt)p->fluid[i], count, list, seen->n, seen->d, &sums);
+  AddEquation(p->dim, &(Sight){.phi = seen->d}, 1.0, seen->d, &sums);
   SolveSums(p->dim, p->dx[i], &sums);
   for (PetscInt a = 0; a < p->dim; a++) {
     seen->n[a] += sums.b[1 + a];
@@ -266,67 +303,84 @@ static void Restore(const Particles *p, PetscInt i, PetscInt count, const PetscI
   }
   length = PetscSqrtReal(length);
   for (PetscInt a = 0; a < p->dim; a++) seen->n[a] /= length;
-  seen->d /= PetscMin(PetscMax(length, 1.0 / STRETCH_MOST), STRETCH_MOST);
+  length = PetscMin(PetscMax(length, 1.0 / STRETCH_MOST), STRETCH_MOST);
+  seen->d += RELAX * (PetscMax(sums.b[0] / length, 0.0) - seen->d);
 }
 
-/* Lets particle i see the interface of a neighbour if it is nearer by more than NEARER. */
-static void SeeNearer(const Particles *p, PetscInt i, PetscInt count, const PetscInt list[],
-                      const PetscReal x[], Seen *seen)
+/* Lets particle i see the nearest interface of particles at interfaces; beyond the end of their
+   planes the distance is that from the end. */
+static void SeeFront(const Particles *p, const PetscReal front[], PetscInt i, PetscInt count,
+                     const PetscInt list[], const PetscReal x[], Seen *seen)
 {
   const PetscInt own  = (PetscInt)p->fluid[i];
-  PetscReal      best = Sees(p, i) ? seen->d - NEARER * p->dx[i] : seen->d;
+  PetscReal      best = INTERFACE_REACH * p->dx[i], offset = 0.0, beyond = 0.0;
 
+  *seen = (Seen){.d = best};
   for (PetscInt k = 0; k < count; k++) {
-    PetscReal told, alike;
+    PetscReal told, alike, excess, d;
     Sight     sight;
 
-    if (!Sees(p, list[k])) continue;
+    if (!front[list[k]]) continue;
     Look(p, x, own, list[k], &sight);
-    told = Told(p->dim, &sight, sight.n, &alike);
-    if (told < 0.0 || told >= best) continue;
-    if (PetscSqr(sight.r) - PetscSqr(sight.phi - told) > PetscSqr(p->dx[i])) continue;
-    best = seen->d = told;
+    told   = Told(p->dim, &sight, sight.n, &alike);
+    excess = PetscSqr(sight.r) - PetscSqr(sight.phi - told);
+    excess = PetscMax(PetscSqrtReal(PetscMax(excess, 0.0)) - BESIDE * p->dx[i], 0.0);
+    d      = PetscSqrtReal(PetscSqr(told) + PetscSqr(excess));
+    if (d >= best || (told < 0.0 && excess == 0.0)) continue;
+    best = seen->d = d;
+    offset         = told;
+    beyond         = excess;
     for (PetscInt a = 0; a < p->dim; a++) seen->n[a] = sight.n[a];
   }
+  if (best < INTERFACE_REACH * p->dx[i] && beyond == 0.0)
+    FitPlane(p, front, x, own, count, list, offset, &seen->d, seen->n);
+  seen->d = PetscMax(seen->d, 0.0);
 }
 
 /*
   InterfacesFollow - Renews the distances of moved particles from interfaces
 
-    d = phi/|grad phi|
+    d += RELAX (phi/|grad phi| - d)
 
   Collective. An interface is material, so that a particle carries its signed distance phi; where
-  the flow strains the fluid, phi is a distance no more, but still zero on the interface. The
-  gradient is that of a fit, see SumSights(), without the particles that see other interfaces.
-  Particles that come near an interface take it from neighbours, and those beyond INTERFACE_REACH
-  forget theirs. Input: nb - neighbours at the new places. The halo is out of date on exit.
+  the flow strains the fluid, phi is a distance no more, but still zero on the interface. Particles
+  at an interface go to the value of a fit over its gradient, see SumSights(), a part of the way in
+  each step: a value of their own alone, divided by the gradient of their neighbours, would drift to
+  zero or grow. The others take their distance from particles at interfaces, and forget it if there
+  are none. Input: nb - neighbours at the new places. The halo is out of date on exit.
 */
 PetscErrorCode InterfacesFollow(Particles *p, const Neighbors *nb)
 {
-  Seen *all;
+  PetscReal *front;
+  Seen      *all;
 
   PetscFunctionBegin;
   if (!p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(InterfacesUpdateHalo(p));
   PetscCall(PetscMalloc1(p->n_fluid, &all));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscInt *list = &nb->col[nb->row[i]], count = nb->row[i + 1] - nb->row[i];
-    PetscReal       x[ISPH_MAX_DIM] = {0.0};
+  PetscCall(PetscCalloc1(ParticlesAll(p), &front));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt i = 0; i < p->n_fluid; i++) {
+      const PetscInt *list = &nb->col[nb->row[i]], count = nb->row[i + 1] - nb->row[i];
+      PetscReal       x[ISPH_MAX_DIM] = {0.0};
 
-    all[i].d = p->interface[i];
-    for (PetscInt a = 0; a < p->dim; a++) {
-      x[a]        = p->x[a][i];
-      all[i].n[a] = p->interface_normal[a][i];
+      for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+      if (!pass) {
+        front[i] = IsFront(p, i, count, list, x) ? 1.0 : 0.0;
+        continue;
+      }
+      all[i].d = p->interface[i];
+      for (PetscInt a = 0; a < p->dim; a++) all[i].n[a] = p->interface_normal[a][i];
+      if (front[i]) Restore(p, i, count, list, x, &all[i]);
+      else SeeFront(p, front, i, count, list, x, &all[i]);
     }
-    if (Sees(p, i)) Restore(p, i, count, list, x, &all[i]);
-    SeeNearer(p, i, count, list, x, &all[i]);
+    if (!pass) PetscCall(ParticlesHaloField(p, front));
   }
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscBool far = all[i].d >= INTERFACE_REACH * p->dx[i] ? PETSC_TRUE : PETSC_FALSE;
-
-    p->interface[i] = far ? INTERFACE_REACH * p->dx[i] : all[i].d;
-    for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = far ? 0.0 : all[i].n[a];
+    p->interface[i] = all[i].d;
+    for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = all[i].n[a];
   }
+  PetscCall(PetscFree(front));
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
