@@ -52,6 +52,7 @@ typedef enum {
   NUMBER_SURFACE,   /* nu dt/dx^2 of the steps that a scheme saves at a free surface */
   NUMBER_STIFFNESS, /* nu dt/e^2 with the largest viscosity, e the smallest edge of a cell */
   NUMBER_COURANT,   /* U dt/dx */
+  NUMBER_CONTRAST,  /* largest viscosity over the least one */
   NUMBERS
 } RegimeNumber;
 

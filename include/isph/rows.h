@@ -100,7 +100,9 @@ typedef struct {
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
   PetscBool  continued; /* stresses of dummies are continued from the fluid: unsymmetric */
-  PetscReal *factor;    /* row->Factor() by local index; NULL: none */
+  PetscBool  halved;    /* particles on surfaces have `share` of their volumes: unsymmetric */
+  PetscReal *factor;    /* row->Factor() by local index, times the share; NULL: none */
+  PetscReal *share;     /* of the volume of a particle, LaplacianShare(); NULL: 1 */
   PetscReal  scale;     /* multiplies all weights; 0: 1 */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
@@ -108,6 +110,7 @@ PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
 PetscReal      ComposedTrace(const ComposedForm *form, PetscInt dim);
 PetscReal      LaplacianDilatation(const LaplacianForm *form, PetscInt dim);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
+PetscReal      LaplacianShare(const LaplacianForm *form, PetscInt i);
 void           LaplacianGradient(const LaplacianForm *form, Stencil *stencil, PetscReal *c[]);
 PetscBool      LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction);
 

@@ -352,6 +352,10 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
   UserCheck(!forms->wall || forms->wall->on_surface,
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
+  forms->visc.halved = forms->visc.row && SceneViscosityVaries(scene) &&
+                               forms->visc.row->Row == LaplacianRow_PairwiseStress
+                           ? PETSC_TRUE
+                           : PETSC_FALSE;
   if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
     forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -287,6 +287,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   }
   PetscCall(PetscFree(ops->concentration.value));
   PetscCall(PetscFree(ops->forms.visc.factor));
+  PetscCall(PetscFree(ops->forms.visc.share));
   PetscCall(PetscFree(ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));

@@ -5,6 +5,8 @@
 #include "assembly.h"
 #include "rows.h"
 
+#define LEAST_SHARE 0.25 /* of a volume: that of a corner of 90 degrees in 2D */
+
 const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
     "null_constants",     "symmetric",
     "exact_linear",       "exact_quadratic",
@@ -30,7 +32,8 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
   Not collective. A Laplacian with a correction of the kernel, with particles of several sizes, or
   with an extension of the velocity or the stress to wall particles, is never symmetric: correction
   and kernel differ from particle to particle, and the extension changes rows beside walls. It has
-  none of the properties that follow from symmetry either.
+  none of the properties that follow from symmetry either. With shares of volumes on free surfaces
+  the matrix is symmetric in these volumes only, which is enough for its dissipation.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
@@ -38,7 +41,16 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 
   if (form->correction || form->extended || form->graded || form->continued)
     properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM | FORM_ANGULAR | FORM_DISSIPATES);
+  if (form->halved) properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM);
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* LaplacianShare - Returns the part of the volume of own particle i that is fluid: about a half on
+   free surfaces of forms with shares, which pass through the particles, otherwise 1 [-]; not
+   collective */
+PetscReal LaplacianShare(const LaplacianForm *form, PetscInt i)
+{
+  return form->share ? form->share[i] : 1.0;
 }
 
 /* LaplacianWidth - Returns the number of weights for each neighbour in a row: dim^2 if the form
@@ -109,6 +121,7 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   }
   PetscCall(form->row->Row(st, w));
   for (PetscInt e = 0; form->scale != 0.0 && e < st->n * entries; e++) w[e] *= form->scale;
+  for (PetscInt e = 0; form->share && e < st->n * entries; e++) w[e] /= form->share[st->i];
   st->dW  = dW;
   st->ddW = ddW;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,11 +143,18 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
   PetscFunctionBegin;
   if (!form->row || !form->row->Factor) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(form->factor));
+  PetscCall(PetscFree(form->share));
   PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
+  if (form->halved) PetscCall(PetscMalloc1(p->n_fluid + 1, &form->share));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     if (LaplacianFitsSurface(form) && !FreeSurfaceIsRough(ops->free, i)) continue;
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     form->factor[i] = form->row->Factor(st);
+    if (!form->halved) continue;
+    form->share[i] = FreeSurfaceHolds(ops->free, i)
+                         ? PetscMin(PetscMax(1.0 / form->factor[i], LEAST_SHARE), 1.0)
+                         : 1.0;
+    form->factor[i] *= form->share[i];
   }
   PetscCall(ParticlesHaloField(p, form->factor));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -54,6 +54,7 @@ static const NumberRow numbers[NUMBERS] = {
     [NUMBER_STIFFNESS] = {"nu dt/e^2", "the largest viscosity, e the smallest edge of a cell",
                           PETSC_TRUE},
     [NUMBER_COURANT]   = {"U dt/dx", "the CFL number", PETSC_FALSE},
+    [NUMBER_CONTRAST]  = {"nu_max/nu_min", "of the viscosities that the scene gives", PETSC_FALSE},
 };
 
 /* Returns U dx/nu with the least viscosity; infinite without viscosity. */
@@ -93,8 +94,9 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
   RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0 ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
-  r->number[NUMBER_CELL] = cell;
-  *regime                = r;
+  r->number[NUMBER_CELL]     = cell;
+  r->number[NUMBER_CONTRAST] = scene->nu_low > 0.0 ? scene->nu_high / scene->nu_low : 1.0;
+  *regime                    = r;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

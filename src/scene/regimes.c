@@ -123,8 +123,12 @@ static const RegimeRow laplacians[] = {
     {0, FACT_WCSPH | FACT_VARIES, ANY, "mls", "it is the most accurate"},
     {FACT_VARIES, FACT_WCSPH | FACT_CURVED, ANY, "mls",
      "parallel flows have no other part of the stress"},
-    {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH, ANY, "mls",
+    {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH, UPTO(300.0), "mls",
      "its rows are those of the stress beside a surface"},
+    {FACT_VARIES | FACT_CURVED | FACT_SURFACE | FACT_NONLINEAR, FACT_WCSPH, ABOVE(300.0), "mls",
+     "viscosities that follow the strain rate have no jumps"},
+    {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH | FACT_NONLINEAR, ABOVE(300.0),
+     "pairwise_stress", "fits across a jump of 1000 feed the flow with energy"},
     {FACT_VARIES | FACT_CURVED, FACT_WCSPH | FACT_SURFACE, ANY, "stress_mls",
      "without the whole stress fluids that rotate side by side err by tens of per cent"},
 };
@@ -171,7 +175,9 @@ static const RegimeRow gradients[] = {
     {FACT_SURFACE, FACT_PAIRS, ANY, "fit", "others leave modes undamped"},
     {FACT_SURFACE | FACT_PAIRS | FACT_TENSION, 0, ANY, "fit",
      "tension gives the surface a pressure"},
-    {FACT_SURFACE | FACT_PAIRS, FACT_TENSION, ANY, "natural",
+    {FACT_SURFACE | FACT_PAIRS | FACT_VARIES, FACT_TENSION, ANY, "adjoint",
+     "with fits stiff fluid gains energy from the pressure"},
+    {FACT_SURFACE | FACT_PAIRS, FACT_TENSION | FACT_VARIES, ANY, "natural",
      "dissipative pairs have the natural condition of a free surface"},
 };
 
@@ -234,7 +240,7 @@ const RegimeTable RegimeTables[REGIMES] = {
     [REGIME_FILTER_P]   = {"-ppe_filter", NUMBER_COURANT, MEASURED, PETSC_TRUE, ROWS(filters_p)},
     [REGIME_SHEAR]      = {"-velocity_filter across a shear", NUMBER_CELL, FILTERS, PETSC_FALSE,
                            ROWS(shears)},
-    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_NONE, "results/fluids.md", PETSC_FALSE,
+    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_CONTRAST, "results/fluids.md", PETSC_FALSE,
                            ROWS(laplacians)},
     [REGIME_CORRECTION] = {"-correction", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(corrections)},
     [REGIME_WALL]       = {"-wall", NUMBER_NONE, "results/walls.md", PETSC_FALSE, ROWS(walls)},

@@ -38,7 +38,7 @@ static PetscErrorCode CreateReactions(const Flow *flow, Vec momentum, const Sadd
   PetscCall(VecGetArrayWrite(of_velocity, &velocity));
   for (PetscInt i = 0; i < s->n; i++) {
     mass[i] *= p->volume[i] * flow->scene->dx / p->dx[i];
-    velocity[i] = -1.0 / p->volume[i];
+    velocity[i] = -1.0 / (p->volume[i] * LaplacianShare(&flow->ops->forms.visc, i));
   }
   PetscCall(VecRestoreArray(of_mass, &mass));
   PetscCall(VecRestoreArrayWrite(of_velocity, &velocity));

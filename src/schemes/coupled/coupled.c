@@ -187,7 +187,7 @@ static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
   const LaplacianForm *visc   = &flow->ops->forms.visc;
   Regime              *regime = flow->scene->regime;
   const char          *standard;
-  PetscBool            same;
+  PetscBool            fits;
 
   PetscFunctionBegin;
   RegimeSetFact(regime, FACT_PAIRS,
@@ -196,8 +196,8 @@ static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
                     : PETSC_FALSE);
   standard = RegimeWord(regime, REGIME_GRADIENT);
   PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], standard, &c->gradient));
-  PetscCall(PetscStrcmp(standard, c->gradient->name, &same));
-  UserCheck(!c->gradient->natural || same,
+  PetscCall(PetscStrcmp(standard, gradients[0].name, &fits));
+  UserCheck(!c->gradient->natural || !fits,
             "%s natural: it needs a free surface without tension and -visc_laplacian "
             "pairwise_stress; use fit or adjoint",
             options[PRESSURE_GRADIENT].name);
