@@ -33,15 +33,24 @@ typedef struct {
   PetscReal error;           /* in space, root mean square over that of the velocity [-] */
   PetscReal path;            /* by steps along the paths of particles, the same [-] */
   PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */
+  PetscReal layer;           /* thickness of sheared layers beside rigid parts; 0: none [dx] */
 } Resolution;
 
 /* Parts of the estimated error, see src/measures/trust.c. */
-typedef enum { TRUST_SPACE, TRUST_OPERATOR, TRUST_TIME, TRUST_BALANCE, TRUST_PARTS } TrustPart;
+typedef enum {
+  TRUST_SPACE,
+  TRUST_OPERATOR,
+  TRUST_TIME,
+  TRUST_BALANCE,
+  TRUST_LAYER,
+  TRUST_PARTS
+} TrustPart;
 typedef struct {
   PetscReal error;             /* of the velocity, root mean square over that of it [-] */
   PetscReal part[TRUST_PARTS]; /* the same by a single cause [-] */
   TrustPart worst;             /* the cause of most of it */
   PetscReal x[ISPH_MAX_DIM];   /* place of the largest error of the gradient [m] */
+  PetscReal layer;             /* thickness of sheared layers beside rigid parts; 0: none [dx] */
 } Trust;
 
 struct Report {

@@ -76,12 +76,31 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints the rheology and, of a fluid that yields, the Bingham number and the regularisation. */
+static PetscErrorCode BannerRheology(const Scene *scene, PetscViewer viewer)
+{
+  const Rheology *r    = &scene->rheology;
+  const PetscReal time = scene->length / scene->speed;
+
+  PetscFunctionBegin;
+  PetscCall(TableViewRow("rheology", r->row, viewer));
+  if (!(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_YIELD))) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      BANNER_LABEL "at tau_0 = %.4g m^2/s^2, Bn = tau_0 L/(nu U) = %.4g; rigid parts creep, m = "
+                   "%.4g L/U\n",
+      "yields", (double)r->parameter[RHEOLOGY_YIELD],
+      (double)(r->parameter[RHEOLOGY_YIELD] * time / scene->nu),
+      (double)(r->parameter[RHEOLOGY_REGULARISATION] / time)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the range of a viscosity that varies. */
 static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
 {
   PetscFunctionBegin;
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!SceneIsNewtonian(scene)) PetscCall(TableViewRow("rheology", scene->rheology.row, viewer));
+  if (!SceneIsNewtonian(scene)) PetscCall(BannerRheology(scene, viewer));
   PetscCall(PetscViewerASCIIPrintf(
       viewer,
       BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re belongs to %.4g\n",

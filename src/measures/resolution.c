@@ -13,6 +13,8 @@
 #define AT_REST   1e-6        /* a velocity below this is no flow [U] */
 #define UNIFORM   1e-6        /* gradients below this are rounding [velocity/L] */
 #define SLAB      512         /* particles whose gradients are kept at once */
+#define LAYER     1.5         /* thickness of a sheared layer over the mean of D in it [-] */
+#define WIDTH     1.4         /* by which fits widen a layer [dx] */
 
 /* Sums over all fluid particles, weighted by volume, for a single MPI reduction. */
 typedef struct {
@@ -138,6 +140,60 @@ static void SetErrors(const Flow *flow, const Sums *sums, Resolution *resolution
   resolution->path = (clock->order > 1 ? PetscSqr(turn) / 3.0 : 0.5 * turn) * rate * time;
 }
 
+/* Returns the distance from particle i in which the strain rate falls to zero with its steepest
+   slope, at most the radius of the support [m]. Input: rate - by local index [1/s]. */
+static PetscReal FallDistance(const Flow *flow, const PetscReal rate[], PetscInt i)
+{
+  const Particles *p     = flow->particles;
+  const Pattern   *fluid = &flow->ops->rows.fluid;
+  PetscReal        slope = rate[i] / flow->ops->forms.radius;
+
+  for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
+    const PetscInt j      = fluid->local[s];
+    PetscReal      square = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(p->x[a][j] - p->x[a][i]);
+    if (rate[j] < rate[i]) slope = PetscMax(slope, (rate[i] - rate[j]) / PetscSqrtReal(square));
+  }
+  return rate[i] / slope;
+}
+
+/*
+  Computes the thickness of the sheared layers of a fluid that yields [dx]
+
+    N^2 = (3/2 sum w D/sum w)^2 - WIDTH^2,   D_i = min_j r_ij g_i/(g_i - g_j),   w = tau g
+
+  Between a wall and a rigid part the strain rate falls linearly to zero at the distance D, so that
+  3/2 of the mean of D is the thickness of the layer. The fits of g widen it. D is at most the
+  radius of the support. With the exact velocity of channels N errs by at most 10 % up to 3.
+*/
+static PetscErrorCode LayerThickness(const Flow *flow, PetscReal *layer)
+{
+  const Particles *p = flow->particles;
+  const Rheology  *r = &flow->scene->rheology;
+  PetscReal       *rate, sum[2] = {0.0, 0.0};
+
+  PetscFunctionBegin;
+  *layer = 0.0;
+  if (!r->row || !(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_YIELD)))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(ParticlesAll(p), &rate));
+  PetscCall(OperatorsStrainRate(flow->ops, p, flow->state->u, flow->walls.u, rate));
+  PetscCall(ParticlesHaloField(p, rate));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal w = ParticlesWeight(p, i) * RheologyViscosity(r, rate[i]) * PetscSqr(rate[i]);
+
+    if (!(rate[i] > 0.0)) continue;
+    sum[0] += w * FallDistance(flow, rate, i) / p->dx[i];
+    sum[1] += w;
+  }
+  PetscCall(PetscFree(rate));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  if (!(sum[1] > 0.0)) PetscFunctionReturn(PETSC_SUCCESS);
+  *layer = PetscSqrtReal(PetscMax(PetscSqr(LAYER * sum[0] / sum[1]) - PetscSqr(WIDTH), 0.25));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ResolutionEstimate - Estimates the error of the velocity
 
@@ -150,7 +206,8 @@ static void SetErrors(const Flow *flow, const Sums *sums, Resolution *resolution
   formulas are docs/theory.md, (133). A fluid at rest or in uniform motion has no error.
 
   Output Parameter:
-. resolution - both errors, and the place where the gradients of both fits differ most
+. resolution - both errors, the place where the gradients of both fits differ most, and the
+               thickness of sheared layers
 */
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
 {
@@ -170,5 +227,6 @@ PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
                              MPIU_REAL, MPIU_SUM, p->comm));
   SetErrors(flow, &sums, resolution);
   PetscCall(FindPlace(flow, worst.i, worst.difference, resolution->x));
+  PetscCall(LayerThickness(flow, &resolution->layer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,6 +7,7 @@
               viscosities, boundaries and surfaces
     time      the steps (src/flow/acceleration.c; of moving particles, their paths too)
     balance   the worst row of the balance sheet, if it is out of its bound
+    layer     sheared layers of a fluid that yields, if they have less than LAYER_LEAST particles
 
   Space and operator see the same error where the form is consistent. The defect is the better
   estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
@@ -15,11 +16,13 @@
 #include "defect.h"
 #include "isph/balance.h"
 
-#define TRUSTED 0.05 /* largest estimated error of a velocity that can be trusted [-] */
-#define AT_REST 1e-2 /* least speed of a moving fluid over that which drives it [-] */
+#define TRUSTED      0.05 /* largest estimated error of a velocity that can be trusted [-] */
+#define LAYER_LEAST  2.0  /* least thickness of a sheared layer [dx] */
+#define LAYER_WANTED 3.0  /* thickness that is advised [dx] */
+#define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
-static const char *const words[TRUST_PARTS]   = {"space", "operator", "time", "balance"};
+static const char *const words[TRUST_PARTS]   = {"space", "operator", "time", "balance", "layer"};
 
 /* Combines the parts to the error of the velocity. */
 static void Combine(Trust *trust)
@@ -35,6 +38,18 @@ static void Combine(Trust *trust)
     trust->error = part[TRUST_BALANCE];
     trust->worst = TRUST_BALANCE;
   }
+  if (part[TRUST_LAYER] > trust->error) {
+    trust->error = part[TRUST_LAYER];
+    trust->worst = TRUST_LAYER;
+  }
+}
+
+/* Returns the error by layers that are too thin, of order dx^2 as that of the operators, and at
+   most 1. */
+static PetscReal LayerError(PetscReal layer)
+{
+  if (!(layer > 0.0) || layer >= LAYER_LEAST) return 0.0;
+  return PetscMin(1.0, TRUSTED * PetscSqr(LAYER_LEAST / layer));
 }
 
 /* Returns the largest violation of a balance that an error of the velocity makes, at least an error
@@ -99,10 +114,13 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   trust->part[TRUST_OPERATOR] = error / (scale + error);
   trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
   trust->part[TRUST_BALANCE]  = BalanceError(flow);
+  trust->part[TRUST_LAYER]    = LayerError(resolution.layer);
+  trust->layer                = resolution.layer;
   Combine(trust);
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
   for (PetscInt k = 0; k < TRUST_BALANCE; k++) /* the sheet reports its own */
     PetscCall(ReportAddError(report, names[k], trust->part[k]));
+  if (trust->layer > 0.0) PetscCall(ReportAdd(report, "sheared_layer", trust->layer));
   PetscCall(ReportAdd(report, "trust", trust->error <= TRUSTED ? 1.0 : 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,7 +134,13 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-visc_laplacian", &typed));
-  if (trust->worst == TRUST_BALANCE) {
+  if (trust->part[TRUST_LAYER] > 0.0) {
+    PetscCall(PetscSNPrintf(text, length,
+                            "sheared layers beside rigid parts are %.2g particles thick, and need "
+                            "at least %.0f; try -n %.0f",
+                            (double)trust->layer, LAYER_LEAST,
+                            PetscCeilReal(flow->scene->n * LAYER_WANTED / trust->layer)));
+  } else if (trust->worst == TRUST_BALANCE) {
     PetscCall(PetscStrncpy(text, "see the balances below", length));
   } else if (trust->worst == TRUST_TIME) {
     PetscCall(PetscStrncpy(text, "try a smaller -dt or -cfl", length));

@@ -19,8 +19,8 @@
 */
 #include "isph/operators.h"
 
-#define STRESS_GROWTH 4.0  /* most stresses after a change over those that it balanced [-] */
-#define SHARE_LEAST   1e-3 /* of a change */
+#define OVERSHOOT   1.0  /* most work of errors after a change over that before it [-] */
+#define SHARE_LEAST 1e-3 /* of a change */
 
 /* Computes S of each own fluid particle [1/s]. Input: u - velocity components; walls - components
    of the wall velocity, NULL: zero. */
@@ -158,49 +158,50 @@ static void Linearise(const StressTangent *t, PetscInt i, const PetscReal S[], P
   PetscCallVoid(PetscArraycpy(old, S, parts));
 }
 
-/* Computes the sums of |s|^2/2 and of |tau|^2/2 over own particles at S_k + share (S - S_k). */
-static void SumStresses(const StressTangent *t, const PetscReal S[], PetscReal share,
-                        PetscReal sum[2])
+/* Returns the sum over own particles of the work (tau - s):(S - S_k)/2, with the stress tau at
+   S_k + share (S - S_k) and the stress s that the solve for S has balanced. */
+static PetscReal WorkOfErrors(const StressTangent *t, const PetscReal S[], PetscReal share)
 {
   const PetscInt dim = t->p->dim, parts = dim * (dim + 1) / 2;
+  PetscReal      work = 0.0;
 
-  sum[0] = sum[1] = 0.0;
   for (PetscInt i = 0; i < t->p->n_fluid; i++) {
     const PetscReal *old = &t->strain[i * parts], *S_i = &S[i * parts];
-    PetscReal        at[STRAIN_MOST], s[STRAIN_MOST];
-    const PetscReal  d = t->slope[i] * (HalfProduct(dim, old, S_i) - HalfProduct(dim, old, old));
-    PetscReal        square;
+    PetscReal        change[STRAIN_MOST], at[STRAIN_MOST], error[STRAIN_MOST], d, nu;
 
-    for (PetscInt e = 0; e < parts; e++) {
-      at[e] = old[e] + share * (S_i[e] - old[e]);
-      s[e]  = t->nu[i] * at[e] + share * d * old[e];
-    }
-    square = HalfProduct(dim, at, at);
-    sum[0] += HalfProduct(dim, s, s);
-    sum[1] += PetscSqr(RheologyViscosity(&t->scene->rheology, PetscSqrtReal(square))) * square;
+    for (PetscInt e = 0; e < parts; e++) change[e] = S_i[e] - old[e];
+    for (PetscInt e = 0; e < parts; e++) at[e] = old[e] + share * change[e];
+    d  = t->slope[i] * HalfProduct(dim, old, change);
+    nu = RheologyViscosity(&t->scene->rheology, PetscSqrtReal(HalfProduct(dim, at, at)));
+    for (PetscInt e = 0; e < parts; e++) error[e] = nu * at[e] - t->nu[i] * S_i[e] - d * old[e];
+    work += HalfProduct(dim, error, change);
   }
+  return work;
 }
 
 /*
   TangentShare - Returns the share of an iteration's change of velocity that should be taken: the
-  largest of 1, 1/2, 1/4, ... whose stresses are at most STRESS_GROWTH times those that the solve
-  balanced
+  largest of 1, 1/2, 1/4, ... at which the error of the stresses does at most OVERSHOOT times the
+  work that it did before the change, with the other sign
 
-  Collective. The viscosity of a fluid that thickens is too small before a large change, which then
-  goes far beyond the solution. Input: u - velocity components after the change.
+  Collective. The work increases with the share, from a negative number to zero at the least
+  potential along the change. A whole change goes far beyond if the viscosity before it is too
+  small, as in a fluid that thickens from rest. Input: u - velocity components after the
+  change.
 */
 PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallValues *walls,
                             PetscReal *share)
 {
-  PetscReal *S, sum[2];
+  PetscReal *S, work[2];
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(t->p->n_fluid * t->p->dim * (t->p->dim + 1) / 2, &S));
   PetscCall(Strain(t->ops, t->p, u, walls->u, S));
   for (*share = 1.0; *share > SHARE_LEAST; *share *= 0.5) {
-    SumStresses(t, S, *share, sum);
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, t->p->comm));
-    if (!(sum[1] > PetscSqr(STRESS_GROWTH) * sum[0])) break;
+    work[0] = WorkOfErrors(t, S, 0.0);
+    work[1] = WorkOfErrors(t, S, *share);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, work, 2, MPIU_REAL, MPIU_SUM, t->p->comm));
+    if (work[1] <= OVERSHOOT * PetscAbsReal(work[0])) break;
   }
   PetscCall(PetscFree(S));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -218,18 +218,20 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "time constant m of the regularisation",
             .unit     = "s",
-            .standard = "1000 L/U",
+            .standard = "n^2 L/U, at least 1000 L/U",
             POSITIVE,
             .where = "-rheology papanastasiou",
         },
 };
 const OptionTable RheologyOptions = OPTIONS("Rheology", options);
 
-/* Sets the defaults of the parameters. Input: rate - the strain rate U/L [1/s]. */
-static void RheologyDefaults(PetscReal rate, Rheology *r)
+/* Sets the defaults of the parameters. Input: rate - the strain rate U/L [1/s]; n - L/dx. The creep
+   of rigid parts, about 0.4 L/m, is then an error of order dx^2 as that of the operators. Flows may
+   have a velocity far below U, so that m is not smaller for few particles. */
+static void RheologyDefaults(PetscReal rate, PetscInt n, Rheology *r)
 {
   r->parameter[RHEOLOGY_TIME]           = 1.0 / rate;
-  r->parameter[RHEOLOGY_REGULARISATION] = 1000.0 / rate;
+  r->parameter[RHEOLOGY_REGULARISATION] = PetscMax(PetscSqr((PetscReal)n), 1000.0) / rate;
   if (!(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_EXPONENT))) return;
   r->parameter[RHEOLOGY_CONSISTENCY] =
       r->nu * PetscPowReal(rate, 1.0 - r->parameter[RHEOLOGY_EXPONENT]);
@@ -278,7 +280,7 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 . -rheology_time lambda      - time constant of carreau; default L/U [s]
 . -rheology_viscosity_infinite nu - viscosity of carreau at infinite rate [m^2/s]
 . -rheology_yield tau_0      - yield stress of papanastasiou [m^2/s^2]
-. -rheology_regularisation m - regularisation time of papanastasiou; default 1000 L/U [s]
+. -rheology_regularisation m - regularisation time of papanastasiou; default n^2 L/U or more [s]
 - -rheology_viscosity_min, -rheology_viscosity_max nu - bounds; see RheologyBound() [m^2/s]
 */
 PetscErrorCode SceneReadRheology(Scene *scene)
@@ -301,7 +303,7 @@ PetscErrorCode SceneReadRheology(Scene *scene)
       UserCheck(given || !(r->row->wants & RHEOLOGY_BIT(k)), "-rheology %s: %s is required [%s]",
                 r->row->name, options[PARAMETERS + k].name, options[PARAMETERS + k].unit);
     }
-    if (pass == 0) RheologyDefaults(rate, r);
+    if (pass == 0) RheologyDefaults(rate, scene->n, r);
   }
   UserCheck(!(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_INFINITE)) ||
                 r->parameter[RHEOLOGY_EXPONENT] <= 1.0 || r->parameter[RHEOLOGY_INFINITE] <= r->nu,
