@@ -90,6 +90,7 @@ typedef struct {
   PetscReal (*Factor)(const Stencil *stencil); /* or NULL */
   PetscReal           grad_div; /* b of a form of one pass that approximates lap u + b grad div u */
   const ComposedForm *composed; /* NULL: one pass, by Row(); otherwise Row is NULL */
+  PetscBool           weak;     /* dissipation of cells, see isph/strain.h; Row is NULL */
 } LaplacianRow;
 extern const Table LaplacianTable;
 
@@ -301,7 +302,8 @@ typedef struct {
   AffineOperator    second_pass[ISPH_MAX_DIM]; /* D_a; not needed: that of the first pass */
   OperatorRows      rows;
   Concentration     concentration;
-  FreeSurface      *free; /* NULL: the fluid has no free surface */
+  struct StrainCells *strain; /* of a weak form; NULL: none */
+  FreeSurface        *free;   /* NULL: the fluid has no free surface */
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
   PetscInt  assemblies;       /* stamp of the matrices: changes with each assembly */

@@ -7,6 +7,7 @@
 #include "walls/boundary_rows.h"
 #include "walls/extension.h"
 #include "fitted.h"
+#include "isph/strain.h"
 #include "rows/rows.h"
 #include "walls/wall_points.h"
 
@@ -384,6 +385,22 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Creates the viscous matrices of a weak form. */
+static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                   Operators *ops)
+{
+  AffineOperator *visc = &ops->velocity[0].visc;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&visc->A));
+  PetscCall(MatDestroy(&visc->B));
+  PetscCall(StrainAssemble(scene, p, nb, ops->forms.degree, ops->n_velocity, &ops->strain));
+  StrainViscosities(scene, p, ops->strain);
+  PetscCall(StrainMatrices(scene, p, ops->forms.wall ? PETSC_TRUE : PETSC_FALSE, ops->strain,
+                           &visc->A, &visc->B));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OperatorsAssemble - Assembles all matrices of the run for the present positions of particles
 
@@ -406,12 +423,14 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   AffineOperator  *needed[OPERATORS_COUNT];
   const PetscInt   count  = NeededOperators(ops, needed);
   const KernelSize kernel = FormsKernel(&ops->forms);
+  const PetscBool  weak =
+      ops->needs & NEED_VISCOSITY && ops->forms.visc.row->weak ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &kernel, ops->free));
-  if (!count && !(ops->needs & NEED_CONCENTRATION)) { /* such as with NEED_STREAMS alone */
+  if (!count && !weak && !(ops->needs & NEED_CONCENTRATION)) { /* such as with NEED_STREAMS alone */
     ops->epoch = p->epoch;
     ops->moved = p->moved;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -434,6 +453,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
         PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
   if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
+  else if (weak) PetscCall(AssembleWeak(scene, p, nb, ops));
   else if (ops->forms.components_coupled && ops->velocity[0].visc.needed)
     PetscCall(AssembleViscousBlock(scene, p, ops));
   ops->rows.particles = p;

@@ -3,6 +3,7 @@
   decide the defaults, and combinations that cannot work are refused.
 */
 #include "choose.h"
+#include "isph/strain.h"
 #include "rows/rows.h"
 
 enum {
@@ -414,6 +415,8 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   forms->radius = forms->reach = forms->kernel->support * forms->h;
   if (needs & NEED_STREAMS) forms->reach += STREAM_MARGIN * SceneCoarsest(scene);
   if (forms->wall && forms->wall->dynamic) forms->reach += forms->radius;
+  if (forms->visc.row && forms->visc.row->weak)
+    forms->reach = PetscMax(forms->reach, StrainReach(SceneCoarsest(scene)));
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =
         forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);

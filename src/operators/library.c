@@ -20,7 +20,7 @@ static PetscBool LaplacianIsComplete(const TableRow *row)
 {
   const LaplacianRow *form = (const LaplacianRow *)(const void *)row;
 
-  return form->Row || form->composed ? PETSC_TRUE : PETSC_FALSE;
+  return form->Row || form->composed || form->weak ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool GradientIsComplete(const TableRow *row)

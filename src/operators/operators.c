@@ -6,6 +6,7 @@
 #include "walls/boundary_rows.h"
 #include "choose.h"
 #include "fitted.h"
+#include "isph/strain.h"
 #include "rows/rows.h"
 
 #define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */
@@ -60,7 +61,7 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
   for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
   of->visc.width = LaplacianWidth(&ops->forms.visc, scene->dim);
   of->visc.needed =
-      ops->needs & NEED_VISCOSITY && !ops->forms.visc.row->composed ? PETSC_TRUE : PETSC_FALSE;
+      ops->needs & NEED_VISCOSITY && ops->forms.visc.row->Row ? PETSC_TRUE : PETSC_FALSE;
   if (ops->forms.components_coupled && of != &ops->velocity[0]) of->visc.needed = PETSC_FALSE;
   of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -291,6 +292,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PetscFree(ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
+  PetscCall(StrainDestroy(&ops->strain));
   PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
   for (PetscInt l = 0; l < MLS_BATCH; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));

@@ -18,6 +18,7 @@
   Haber, M. A. Olshanskii, A. Veneziani, Comput. Methods Appl. Mech. Eng. 200 (2011) 2434-2446
 */
 #include "isph/operators.h"
+#include "isph/strain.h"
 
 #define OVERSHOOT   1.0  /* most work of errors after a change over that before it [-] */
 #define SHARE_LEAST 1e-3 /* of a change */
@@ -94,6 +95,12 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
                                      const Vec u[], Operators *ops)
 {
   PetscFunctionBegin;
+  if (ops->strain) {
+    PetscCall(StrainOfVelocity(p, u, walls->u, ops->strain));
+    PetscCall(StrainFollow(scene, p, ops->strain));
+    PetscCall(OperatorsScaleViscosity(scene, p, ops));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(OperatorsStrainRate(ops, p, u, walls->u, p->nu));
   for (PetscInt i = 0; i < p->n_fluid; i++)
     p->nu[i] = RheologyViscosity(&scene->rheology, p->nu[i]);

@@ -8,6 +8,7 @@
   new rows.
 */
 #include "isph/operators.h"
+#include "isph/strain.h"
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "walls/wall_points.h"
@@ -188,6 +189,10 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
   BlockRows            *a, *b;
 
   PetscFunctionBegin;
+  if (ops->strain) {
+    PetscCall(StrainScale(scene, p, PETSC_FALSE, ops->strain, op->A, op->B));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(BlockRowsGet(op->A, &a));
   value[0] = a->value;
   if (ops->forms.wall) PetscCall(BlockRowsGet(op->B, &b));

@@ -85,6 +85,7 @@ PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
 PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 {
   if (form->row->composed) return 2.0 - ComposedTrace(form->row->composed, dim);
+  if (form->row->weak) return 2.0;
   return 1.0 + form->row->grad_div;
 }
 

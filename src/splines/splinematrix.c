@@ -5,6 +5,11 @@
   eighth of the operations. On a lattice most rows repeat, see splinerepeats.c.
 */
 #include "splines.h"
+#include "isph/operators.h"
+#include "isph/strain.h"
+
+#define JUMP_SHARE   1e-3 /* least share of a spline in a fluid with a jump of its own */
+#define JUMP_PENALTY 1e4  /* of the divergence in a fluid, over the largest viscosity */
 
 /* Context of the shell. */
 typedef struct {
@@ -173,10 +178,245 @@ static PetscErrorCode EmptyRows(const Splines *s, Mat A)
 PetscErrorCode SplinesBlocks(const Particles *p, const Splines *s, Mat *G, Mat *D)
 {
   PetscFunctionBegin;
+  if (s->cut[0]) {
+    PetscCall(MatDuplicate(s->cut[0], MAT_COPY_VALUES, G));
+    PetscCall(MatDuplicate(s->cut[1], MAT_COPY_VALUES, D));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(GradientMat(s, p, G));
   PetscCall(IntegralMat(s, p, NULL, D));
   PetscCall(MatScale(*D, -1.0 / s->scale));
   if (s->extension) PetscCall(EmptyRows(s, *D));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- beside interfaces: divergences of strain cells ---- */
+
+/* Returns true if this rank has cell c, whose splines it sums. */
+static PetscBool HasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+  return ParticlesHolds(p, x);
+}
+
+/* Assembles the splines at the cells of a fluid (-1: of all), cells -> splines. Input: part - if
+   given, splines without a number in it are left out. */
+static PetscErrorCode CellSplinesMat(const Particles *p, const Splines *s, const StrainCells *cells,
+                                     PetscInt n, PetscInt fluid, Mat *P)
+{
+  const PetscScalar one = 1.0;
+  PetscInt          row = 0, *width;
+  PetscReal         x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  (void)one;
+  PetscCall(PetscCalloc1(n, &width));
+  for (PetscInt c = 0; c < cells->n; c++)
+    if (HasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
+  PetscCall(SplineMat(p->comm, n, s->own.size, width, P));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(*P, &row, NULL));
+  for (PetscInt c = 0; c < cells->n; c++) {
+    SplineRow at;
+
+    if (!HasCell(p, cells, c, x)) continue;
+    if (fluid < 0 || cells->fluid[c] == fluid) {
+      SplineRowAt(s, &s->lattice, p, x, &at);
+      PetscCall(MatSetValues(*P, 1, &row, at.n, at.number, at.value, ADD_VALUES));
+    }
+    row++;
+  }
+  PetscCall(SplineMatFinish(*P));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles V_c div u of the cells over the volume of a cell of the splines: interlaced components
+   over fluid, or over walls -> cells. */
+static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
+                                        const StrainCells *cells, PetscInt n, PetscBool walls,
+                                        Mat *T)
+{
+  const PetscInt  d    = p->dim;
+  const PetscReal cell = PetscPowReal(s->scale, (PetscReal)d);
+  PetscInt        row  = 0, *width;
+  PetscReal       x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n, &width));
+  for (PetscInt c = 0; c < cells->n; c++) {
+    if (!HasCell(p, cells, c, x)) continue;
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscInt q = cells->sets == 1 ? 0 : a;
+
+      width[row] += cells->first[q][c + 1] - cells->first[q][c];
+    }
+    row++;
+  }
+  PetscCall(SplineMat(p->comm, n, d * (walls ? p->n_wall : p->n_fluid), width, T));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(*T, &row, NULL));
+  for (PetscInt c = 0; c < cells->n; c++) {
+    if (!HasCell(p, cells, c, x)) continue;
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscInt q = cells->sets == 1 ? 0 : a;
+
+      for (PetscInt e = cells->first[q][c]; e < cells->first[q][c + 1]; e++) {
+        const PetscInt j = cells->j[q][e];
+
+        if (ParticlesIsWall(p, j) != walls) continue;
+        PetscCall(MatSetValue(*T, row, d * p->row[j] + a,
+                              cells->volume[c] / cell * cells->g[q][a][e], ADD_VALUES));
+      }
+    }
+    row++;
+  }
+  PetscCall(SplineMatFinish(*T));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies the transpose of P by T. */
+static PetscErrorCode Gathered(Mat P, Mat T, Mat *D)
+{
+  Mat transposed;
+
+  PetscFunctionBegin;
+  PetscCall(MatTranspose(P, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(Multiply(transposed, T, D));
+  PetscCall(MatDestroy(&transposed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies the rows of a matrix over interlaced components by a factor over the masses. */
+static PetscErrorCode DivideByMass(const Particles *p, const StrainCells *cells, PetscReal factor,
+                                   Mat G)
+{
+  PetscScalar *to;
+  Vec          scale;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(G, NULL, &scale));
+  PetscCall(VecGetArrayWrite(scale, &to));
+  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = factor / cells->mass[r / p->dim];
+  PetscCall(VecRestoreArrayWrite(scale, &to));
+  PetscCall(MatDiagonalScale(G, scale, NULL));
+  PetscCall(VecDestroy(&scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets gamma to the penalty of the divergence in the part of each spline that a fluid has, over its
+   volume: 0 unless the spline has two fluids. */
+static PetscErrorCode JumpPenalty(const Scene *scene, const Particles *p, const StrainCells *cells,
+                                  PetscInt n, Mat all, Mat part, PetscReal nu, Vec gamma)
+{
+  PetscInt     row = 0, end;
+  PetscScalar *g, *m;
+  Vec          volume, whole;
+  PetscReal    x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  (void)scene;
+  (void)n;
+  PetscCall(MatCreateVecs(all, &whole, &volume));
+  PetscCall(VecGetArrayWrite(volume, &m));
+  for (PetscInt c = 0; c < cells->n; c++)
+    if (HasCell(p, cells, c, x)) m[row++] = cells->volume[c];
+  PetscCall(VecRestoreArrayWrite(volume, &m));
+  PetscCall(MatMultTranspose(all, volume, whole));
+  PetscCall(MatMultTranspose(part, volume, gamma));
+  PetscCall(VecGetArray(gamma, &g));
+  PetscCall(VecGetArray(whole, &m));
+  PetscCall(VecGetLocalSize(gamma, &end));
+  for (PetscInt k = 0; k < end; k++) {
+    const PetscReal share = m[k] > 0.0 ? g[k] / m[k] : 0.0;
+
+    g[k] = share > JUMP_SHARE && share < 1.0 - JUMP_SHARE ? JUMP_PENALTY * nu / g[k] : 0.0;
+  }
+  PetscCall(VecRestoreArray(whole, &m));
+  PetscCall(VecRestoreArray(gamma, &g));
+  PetscCall(VecDestroy(&volume));
+  PetscCall(VecDestroy(&whole));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Adds the penalty of the divergence in each fluid beside interfaces to the viscous matrices,
+
+    -1/(nu_0 M_i) sum_k gamma_k d_k d_k^T u,   d_k u = int psi_k div u over a fluid
+
+  In the limit gamma_k d_k u are the jumps of the pressure, and the divergence of each fluid is zero.
+*/
+static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, PetscInt n, Mat all,
+                               const Mat T[], Splines *s)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  AffineOperator  *visc  = &flow->ops->velocity[0].visc;
+  const PetscReal  cell  = PetscPowReal(s->scale, (PetscReal)p->dim);
+
+  PetscFunctionBegin;
+  for (PetscInt f = 1; f < SceneFluids(scene); f++) {
+    PetscReal nu = 0.0;
+    Mat       part, D[2] = {NULL, NULL}, back, added;
+    Vec       gamma;
+
+    for (PetscInt k = 0; k < SceneFluids(scene); k++)
+      nu = PetscMax(nu, k ? scene->region_nu[k - 1] : scene->nu);
+    PetscCall(CellSplinesMat(p, s, cells, n, f, &part));
+    PetscCall(MatCreateVecs(part, &gamma, NULL));
+    PetscCall(JumpPenalty(scene, p, cells, n, all, part, nu, gamma));
+    PetscCall(Gathered(part, T[0], &D[0]));
+    if (T[1]) PetscCall(Gathered(part, T[1], &D[1]));
+    PetscCall(MatTranspose(D[0], MAT_INITIAL_MATRIX, &back));
+    PetscCall(DivideByMass(p, cells, -cell * cell / scene->nu, back));
+    for (PetscInt w = 0; w < 2; w++) {
+      if (!D[w]) continue;
+      PetscCall(MatDiagonalScale(D[w], gamma, NULL));
+      PetscCall(Multiply(back, D[w], &added));
+      PetscCall(SparseAdd(added, w ? &visc->B : &visc->A));
+      PetscCall(MatDestroy(&added));
+      PetscCall(MatDestroy(&D[w]));
+    }
+    PetscCall(MatDestroy(&back));
+    PetscCall(MatDestroy(&part));
+    PetscCall(VecDestroy(&gamma));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesCutAssemble - Computes gradient and divergence from the strain cells if the flow has
+  interfaces and a weak form: each fluid has its own divergence there, and the gradient is the
+  adjoint
+
+    (D u)_q = sum_c V_c psi_q(x_c) (div u)_c,   (G p)_i = -1/M_i sum_q p_q d(D u)_q/du_i
+
+  Collective.
+*/
+PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
+{
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+  PetscInt           n     = 0;
+  PetscReal          x[ISPH_MAX_DIM];
+  Mat                all, T[2] = {NULL, NULL};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
+  if (!cells || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
+  PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
+  PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
+  PetscCall(Gathered(all, T[0], &s->cut[1]));
+  if (flow->ops->forms.wall) {
+    PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
+    PetscCall(Gathered(all, T[1], &s->cut[2]));
+  }
+  PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
+  PetscCall(DivideByMass(p, cells, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
+  PetscCall(AddJumps(flow, cells, n, all, T, s));
+  PetscCall(MatDestroy(&all));
+  PetscCall(MatDestroy(&T[0]));
+  PetscCall(MatDestroy(&T[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -156,6 +156,8 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(MatDestroy(&s->K));
   PetscCall(MatDestroy(&s->M));
   PetscCall(MatDestroy(&s->A));
+  for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
+  PetscCall(MatDestroy(&s->jump));
   PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->p));
   PetscCall(VecDestroy(&s->phi));
@@ -223,6 +225,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
   if (s->epoch != p->epoch) PetscCall(SplinesNumber(p, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
+  PetscCall(SplinesCutAssemble(flow, s));
   s->epoch = p->epoch;
   s->moved = p->moved;
   s->assemblies++;

@@ -233,8 +233,10 @@ struct Splines {
   Mat       K;            /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
   PetscBool has_products; /* M is needed */
   Mat       M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
-  Vec       mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
-  Mat       A;    /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+  Vec       mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
+  Mat       cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
+  Mat       jump;   /* divergence in each fluid beside interfaces; NULL: none */
+  Mat       A;      /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -350,6 +352,7 @@ PetscErrorCode SplinesFree(Splines *s);
 /* splinematrix.c */
 PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
 PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
+PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
 
 /* splineinverse.c */
 typedef struct SplineInverse SplineInverse;

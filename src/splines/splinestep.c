@@ -108,6 +108,26 @@ static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the divergence of a velocity by the matrices of strain cells. */
+static PetscErrorCode CutDivergence(const Flow *flow, const Splines *s, const Vec u[], Vec d)
+{
+  Vec all, walls;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(s->cut[1], &all, NULL));
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
+  PetscCall(MatMult(s->cut[1], all, d));
+  PetscCall(VecDestroy(&all));
+  if (!s->cut[2]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(s->cut[2], &walls, NULL));
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(VecStrideScatter(flow->walls.u[a], a, walls, INSERT_VALUES));
+  PetscCall(MatMultAdd(s->cut[2], walls, d, d));
+  PetscCall(VecDestroy(&walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SplinesDivergence - Computes the divergence of a velocity at time t
 
@@ -122,6 +142,10 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
   PetscScalar *value;
 
   PetscFunctionBegin;
+  if (s->cut[0]) {
+    PetscCall(CutDivergence(flow, s, u, d));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(
         LocalValues(flow->particles, u[a], flow->walls.u[a], s->lattice.dim, s->fits.value + a));

@@ -290,9 +290,19 @@ PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[])
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
   PetscScalar *v;
+  Vec          all;
 
   PetscFunctionBegin;
-  PetscCall(Evaluate(s, p, NULL, s->fits.value));
+  if (s->cut[0]) {
+    const PetscScalar *g;
+
+    PetscCall(MatCreateVecs(s->cut[0], NULL, &all));
+    PetscCall(MatMult(s->cut[0], p, all));
+    PetscCall(VecGetArrayRead(all, &g));
+    PetscCall(PetscArraycpy(s->fits.value, g, s->lattice.dim * s->at.n));
+    PetscCall(VecRestoreArrayRead(all, &g));
+    PetscCall(VecDestroy(&all));
+  } else PetscCall(Evaluate(s, p, NULL, s->fits.value));
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(VecGetArray(u[a], &v));
     for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[s->lattice.dim * i + a];

@@ -1,0 +1,67 @@
+/*
+  Strains of small cells, for the viscous force of a variable viscosity. The box is divided into
+  cells that bodies and interfaces of fluids cut. The mean velocity gradient of a cell follows from
+  the velocities on its faces, which are fits of the particles' velocities,
+
+    V_c (grad u)_c = sum over faces of u n^T A,   F_i = -(1/V_i) d/du_i sum_c V_c nu_c E_c:E_c
+
+  with E_c the symmetric part. See docs/theory.md, (392) to (396).
+*/
+#ifndef ISPH_STRAIN_H
+#define ISPH_STRAIN_H
+
+#include "isph/rows.h"
+
+#define STRAIN_TENSOR (ISPH_MAX_DIM * ISPH_MAX_DIM)
+
+/* Rows of sums over particles by local index: sum_k w[k] u_j[k], k in [start[r], start[r + 1]). */
+typedef struct {
+  PetscInt   n, rows, capacity, room, *start, *j;
+  PetscReal *w;
+} StrainRows;
+
+/* The cells of a rank: a block of the lattice. In periodic directions it continues beyond sides. */
+typedef struct {
+  PetscInt   dim, cells[ISPH_MAX_DIM]; /* of the whole lattice */
+  PetscReal  edge[ISPH_MAX_DIM];       /* of a cell [m] */
+  PetscInt   first[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
+  PetscReal *distance; /* of the corners of the block from bodies; NULL: none [m] */
+} StrainLattice;
+
+typedef struct StrainCells StrainCells;
+
+struct StrainCells {
+  StrainLattice lattice;
+  PetscInt      sets; /* components of the velocity with fits of their own: 1 or dim */
+  PetscInt      n, capacity;
+  PetscReal    *volume, *nu; /* [m^dim], [m^2/s] */
+  PetscInt     *fluid;
+  PetscReal    *centre[ISPH_MAX_DIM];
+  /* gradients of component set s in cell c: entries [first[s][c], first[s][c + 1]) */
+  PetscInt  *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
+  PetscReal *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
+  PetscInt   n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
+  PetscReal *mass;                  /* of own fluid: integral of its weight in the fits [m^dim] */
+  PetscReal *strain;                /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal *rate;                  /* sqrt(2 E:E) [1/s] */
+  Pattern    fluid_rows, wall_rows; /* of A and B, component by component */
+  PetscReal *value[2];              /* in their order */
+  /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
+  PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
+};
+
+PetscReal      StrainReach(PetscReal dx);
+PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
+                              PetscInt degree, PetscInt sets, StrainCells **cells);
+PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
+                              StrainCells *cells, Mat *A, Mat *B);
+PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, PetscBool tangent,
+                           StrainCells *cells, Mat A, Mat B);
+PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const Vec walls[],
+                                StrainCells *cells);
+void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);
+PetscErrorCode StrainFollow(const Scene *scene, Particles *particles, StrainCells *cells);
+PetscErrorCode StrainSpread(Particles *particles, StrainCells *cells);
+PetscErrorCode StrainDestroy(StrainCells **cells);
+
+#endif

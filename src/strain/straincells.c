@@ -1,0 +1,601 @@
+/*
+  The cells of a rank, cut by bodies and by interfaces of fluids, and the gradient of the velocity in
+  each. A cell of two fluids is two cells. On an interface both have the velocity of the stiffer
+  fluid.
+*/
+#include "strain.h"
+
+#define CELL_EDGE   0.5  /* of a cell [dx] */
+#define LEAST_PART  1e-6 /* volume of a part of a cell that counts, over that of the cell */
+#define LEAST_MASS  0.3  /* of a particle, over its volume */
+#define NODE_REACH  1.5  /* particles that decide on the interface at a corner [dx] */
+#define WHOLE_REACH 3.3  /* FIT_REACH, and an edge: cells that a particle has a part in [dx] */
+
+/* StrainReach - Returns the largest distance between particles of a row of the viscous matrix [m];
+   not collective */
+PetscReal StrainReach(PetscReal dx)
+{
+  return (2.0 * WHOLE_REACH + 2.0 * CELL_EDGE) * dx;
+}
+
+/* Corners of the block of cells. */
+typedef struct {
+  PetscInt   n[ISPH_MAX_DIM], all;
+  PetscInt  *fluid; /* at each corner; NULL: one fluid */
+  PetscReal *phi;   /* distance from its interface, at least 0 [m] */
+} Corners;
+
+/* A cell in the making. */
+typedef struct {
+  PetscInt  cell[ISPH_MAX_DIM], node[CELL_CORNERS];
+  PetscReal lo[ISPH_MAX_DIM];
+} Cell;
+
+/* Sets the block of cells in which own particles have a part; returns true if it is a new one. */
+static PetscBool SetBlock(const Scene *scene, const Particles *p, StrainLattice *l)
+{
+  PetscBool changed = PETSC_FALSE;
+
+  l->dim = p->dim;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    const PetscReal length = scene->hi[a] - scene->lo[a],
+                    reach  = (WHOLE_REACH + CELL_EDGE) * scene->dx;
+    const PetscBool around = SceneIsPeriodic(scene, a);
+    PetscInt        first, last;
+
+    l->cells[a] = PetscMax(1, (PetscInt)(length / (CELL_EDGE * scene->dx) + 0.5));
+    l->edge[a]  = length / l->cells[a];
+    first = (PetscInt)PetscFloorReal((PetscMax(p->lo[a], scene->lo[a]) - reach - scene->lo[a]) /
+                                     l->edge[a]);
+    last  = (PetscInt)PetscFloorReal((PetscMin(p->hi[a], scene->hi[a]) + reach - scene->lo[a]) /
+                                     l->edge[a]);
+    if (!around) {
+      first = PetscMax(first, 0);
+      last  = PetscMin(last, l->cells[a] - 1);
+    }
+    if (l->first[a] != first || l->n[a] != last - first + 1) changed = PETSC_TRUE;
+    l->first[a] = first;
+    l->n[a]     = last - first + 1;
+  }
+  return changed;
+}
+
+/* Computes the place of a corner [m]; in periodic directions it may be outside the box. */
+static void CornerPlace(const Scene *scene, const StrainLattice *l, const PetscInt index[],
+                        PetscReal x[])
+{
+  for (PetscInt a = 0; a < l->dim; a++) x[a] = scene->lo[a] + (l->first[a] + index[a]) * l->edge[a];
+}
+
+/* Computes the indices of corner k. */
+static void CornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[])
+{
+  for (PetscInt a = 0; a < l->dim; a++) {
+    index[a] = k % (l->n[a] + 1);
+    k /= l->n[a] + 1;
+  }
+}
+
+static PetscInt CornerCount(const StrainLattice *l)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) n *= l->n[a] + 1;
+  return n;
+}
+
+/* Moves a place into the box along periodic directions. */
+static void IntoBox(const Scene *scene, PetscReal x[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal length = scene->hi[a] - scene->lo[a];
+
+    if (!SceneIsPeriodic(scene, a)) continue;
+    while (x[a] < scene->lo[a]) x[a] += length;
+    while (x[a] > scene->hi[a]) x[a] -= length;
+  }
+}
+
+/* Computes the distance of x from the bodies, positive in the fluid [m]; body - the nearest. */
+static PetscReal BodiesDistance(const Scene *scene, const PetscReal x[], PetscInt *body)
+{
+  PetscReal best = PETSC_INFINITY, y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a];
+  IntoBox(scene, y);
+  *body = -1;
+  for (PetscInt s = 2 * scene->dim; s < SceneBoundaries(scene); s++) {
+    const PetscReal d = BodyDistance(scene, BoundaryBody(scene, s), y, normal);
+
+    if (d < best) *body = s;
+    best = PetscMin(best, d);
+  }
+  return best;
+}
+
+/* Computes the distances of the corners from the bodies. */
+static PetscErrorCode SetDistances(const Scene *scene, StrainLattice *l)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(l->distance));
+  if (!scene->n_bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(CornerCount(l), &l->distance));
+  for (PetscInt k = 0; k < CornerCount(l); k++) {
+    PetscInt  index[ISPH_MAX_DIM], body;
+    PetscReal x[ISPH_MAX_DIM];
+
+    CornerIndex(l, k, index);
+    CornerPlace(scene, l, index, x);
+    l->distance[k] = BodiesDistance(scene, x, &body);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Calls Visit() for each corner within `reach` of a particle. */
+static PetscErrorCode AroundParticle(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                     PetscInt j, PetscReal reach,
+                                     void (*Visit)(const Particles *, PetscInt corner, PetscInt j,
+                                                   const PetscReal X[], PetscReal r2, void *),
+                                     void *ctx)
+{
+  PetscInt first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], all = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscReal y   = (p->x[a][j] - scene->lo[a]) / l->edge[a] - l->first[a],
+                    r   = reach / l->edge[a];
+    const PetscInt last = PetscMin((PetscInt)PetscFloorReal(y + r), l->n[a]);
+
+    first[a] = PetscMax((PetscInt)PetscCeilReal(y - r), 0);
+    n[a]     = PetscMax(0, last - first[a] + 1);
+    all *= n[a];
+  }
+  for (PetscInt k = 0; k < all; k++) {
+    PetscInt  index[ISPH_MAX_DIM], rest = k, corner = 0;
+    PetscReal x[ISPH_MAX_DIM], r2 = 0.0;
+
+    for (PetscInt a = 0; a < l->dim; a++) {
+      index[a] = first[a] + rest % n[a];
+      rest /= n[a];
+    }
+    for (PetscInt a = l->dim - 1; a >= 0; a--) corner = corner * (l->n[a] + 1) + index[a];
+    CornerPlace(scene, l, index, x);
+    for (PetscInt a = 0; a < l->dim; a++) {
+      x[a] -= p->x[a][j];
+      r2 += x[a] * x[a];
+    }
+    if (r2 < reach * reach) Visit(p, corner, j, x, r2, ctx);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What particles say of the interface at corners. */
+typedef struct {
+  PetscReal  reach;
+  PetscInt  *nearest, *other; /* particle: of all, and of fluids other than its; -1: none */
+  PetscReal *r2[2];           /* their squared distances [m^2] */
+  PetscReal *sum, *weight;    /* of distances from the interface, positive in the nearest's fluid */
+} Witnesses;
+
+static void FindNearest(const Particles *p, PetscInt corner, PetscInt j, const PetscReal X[],
+                        PetscReal r2, void *ctx)
+{
+  Witnesses *w = (Witnesses *)ctx;
+
+  (void)p;
+  (void)X;
+  if (r2 >= w->r2[0][corner]) return;
+  w->r2[0][corner]   = r2;
+  w->nearest[corner] = j;
+}
+
+static void AddDistance(const Particles *p, PetscInt corner, PetscInt j, const PetscReal X[],
+                        PetscReal r2, void *ctx)
+{
+  Witnesses      *w     = (Witnesses *)ctx;
+  const PetscBool other = p->fluid[j] != p->fluid[w->nearest[corner]] ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal W     = PetscSqr(PetscSqr(1.0 - PetscSqrtReal(r2) / w->reach));
+  PetscReal       d = p->interface[j], normal = 0.0;
+
+  if (other && r2 < w->r2[1][corner]) {
+    w->r2[1][corner] = r2;
+    w->other[corner] = j;
+  }
+  for (PetscInt a = 0; a < p->dim; a++) {
+    d += p->interface_normal[a][j] * X[a];
+    normal += PetscSqr(p->interface_normal[a][j]);
+  }
+  if (normal < 0.5) return;
+  w->sum[corner] += W * (other ? -d : d);
+  w->weight[corner] += W;
+}
+
+/* Sets the fluid at each corner and its distance from the interface, by the particles around. */
+static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                Corners *corners)
+{
+  const PetscInt n = corners->all;
+  Witnesses      w = {.reach = NODE_REACH * scene->dx};
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &w.nearest, n, &w.other));
+  PetscCall(PetscMalloc4(n, &w.r2[0], n, &w.r2[1], n, &w.sum, n, &w.weight));
+  for (PetscInt k = 0; k < n; k++) {
+    w.nearest[k] = w.other[k] = -1;
+    w.r2[0][k] = w.r2[1][k] = PETSC_INFINITY;
+    w.sum[k] = w.weight[k] = 0.0;
+  }
+  for (PetscInt j = 0; j < ParticlesAll(p); j++)
+    if (!ParticlesIsWall(p, j)) PetscCall(AroundParticle(scene, p, l, j, w.reach, FindNearest, &w));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++)
+    if (!ParticlesIsWall(p, j)) PetscCall(AroundParticle(scene, p, l, j, w.reach, AddDistance, &w));
+  for (PetscInt k = 0; k < n; k++) {
+    corners->fluid[k] = w.nearest[k] < 0 ? 0 : (PetscInt)p->fluid[w.nearest[k]];
+    corners->phi[k]   = w.weight[k] > 0.0 ? w.sum[k] / w.weight[k] : w.reach;
+    if (corners->phi[k] >= 0.0) continue;
+    corners->phi[k] = w.other[k] < 0 ? 0.0 : -corners->phi[k];
+    if (w.other[k] >= 0) corners->fluid[k] = (PetscInt)p->fluid[w.other[k]];
+  }
+  PetscCall(PetscFree2(w.nearest, w.other));
+  PetscCall(PetscFree4(w.r2[0], w.r2[1], w.sum, w.weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets a cell of the block by its number. */
+static void SetCell(const Scene *scene, const StrainLattice *l, PetscInt k, Cell *cell)
+{
+  for (PetscInt a = 0; a < l->dim; a++) {
+    cell->cell[a] = k % l->n[a];
+    k /= l->n[a];
+  }
+  CornerPlace(scene, l, cell->cell, cell->lo);
+  for (PetscInt c = 0; c < 1 << l->dim; c++) {
+    PetscInt node = 0;
+
+    for (PetscInt a = l->dim - 1; a >= 0; a--)
+      node = node * (l->n[a] + 1) + cell->cell[a] + ((c >> a) & 1);
+    cell->node[c] = node;
+  }
+}
+
+/* Lists the fluids of a cell; returns their number. */
+static PetscInt FluidsOf(PetscInt dim, const Corners *corners, const Cell *cell, PetscInt fluid[])
+{
+  PetscInt n = 0;
+
+  if (!corners->fluid) {
+    fluid[0] = 0;
+    return 1;
+  }
+  for (PetscInt c = 0; c < 1 << dim; c++) {
+    const PetscInt f = corners->fluid[cell->node[c]];
+    PetscInt       k = 0;
+
+    while (k < n && fluid[k] != f) k++;
+    if (k == n) fluid[n++] = f;
+  }
+  return n;
+}
+
+/* Computes the distances at the corners of a cell from the boundary of a fluid: of bodies and of
+   interfaces. */
+static void DistancesIn(const StrainLattice *l, const Corners *corners, const Cell *cell,
+                        PetscInt fluid, PetscReal d[])
+{
+  for (PetscInt c = 0; c < 1 << l->dim; c++) {
+    const PetscInt node = cell->node[c];
+
+    d[c] = l->distance ? l->distance[node] : PETSC_INFINITY;
+    if (corners->fluid)
+      d[c] =
+          PetscMin(d[c], corners->fluid[node] == fluid ? corners->phi[node] : -corners->phi[node]);
+    d[c] = PetscMin(d[c], 1e3 * l->edge[0]);
+  }
+}
+
+/* Rows of the velocity on sides of cells, and on surfaces in them. */
+typedef struct {
+  StrainPoints points;
+  PetscInt    *side; /* point of the side 2 a of cell k in fluid slot q at [(a all + k) 2 + q] */
+  PetscInt     all;  /* places of sides */
+} Sides;
+
+/* Returns the stiffest of the fluids of a cell other than its own; -1: none. */
+static PetscInt StiffestOf(const Scene *scene, PetscInt n, const PetscInt fluid[], PetscInt own)
+{
+  PetscInt best = -1;
+
+  for (PetscInt k = 0; k < n; k++) {
+    if (fluid[k] == own) continue;
+    if (best < 0 || StrainFluidViscosity(scene, fluid[k]) > StrainFluidViscosity(scene, best))
+      best = fluid[k];
+  }
+  return best;
+}
+
+/* Returns the boundary of the box that a side of a cell is on; -1: none. */
+static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const Cell *cell, PetscInt side)
+{
+  const PetscInt a = side / 2, index = l->first[a] + cell->cell[a];
+
+  if (SceneIsPeriodic(scene, a)) return -1;
+  if (side % 2 ? index == l->cells[a] - 1 : index == 0) return side;
+  return -1;
+}
+
+/* Finds or adds the point of a side of a cell's part. */
+static PetscErrorCode SidePoint(const Scene *scene, const StrainLattice *l, const Cell *cell,
+                                PetscInt side, PetscInt fluid, const PetscReal x[], Sides *sides,
+                                PetscInt *point)
+{
+  const PetscInt a = side / 2;
+  PetscInt       k = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt b = l->dim - 1; b >= 0; b--)
+    k = k * (l->n[b] + 1) + cell->cell[b] + (b == a && side % 2 ? 1 : 0);
+  k = 2 * (a * sides->all + k);
+  while (sides->side[k] >= 0 && sides->points.fluid[sides->side[k]] != fluid && !(k & 1)) k++;
+  if (sides->side[k] < 0 || sides->points.fluid[sides->side[k]] != fluid) {
+    sides->side[k] = sides->points.n;
+    PetscCall(StrainPointAdd(l->dim, x, fluid, BoxSide(scene, l, cell, side), &sides->points));
+  }
+  *point = sides->side[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A part of the boundary of a cell: a point, whose row gives the velocity, and the area vector over
+   the volume. */
+typedef struct {
+  PetscInt  point;
+  PetscReal normal[ISPH_MAX_DIM];
+} Facet;
+
+/* Parts of the boundaries of all cells. */
+typedef struct {
+  PetscInt n, room, *first; /* facets of each cell begin at */
+  Facet   *facet;
+} Facets;
+
+static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal normal[],
+                               PetscReal volume, Facets *f)
+{
+  PetscFunctionBegin;
+  if (f->n == f->room) {
+    f->room = 2 * f->room + 1024;
+    PetscCall(PetscRealloc(sizeof(Facet) * (size_t)f->room, &f->facet));
+  }
+  f->facet[f->n].point = point;
+  for (PetscInt a = 0; a < dim; a++) f->facet[f->n].normal[a] = normal[a] / volume;
+  f->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the facets of a part of a cell. */
+static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const Cell *cell,
+                              PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
+                              const CellPart *part, Sides *sides, Facets *facets)
+{
+  const PetscInt other = StiffestOf(scene, n_fluids, fluids, fluid);
+  const PetscInt stiff =
+      other >= 0 && (StrainFluidViscosity(scene, other) > StrainFluidViscosity(scene, fluid) ||
+                     (StrainFluidViscosity(scene, other) == StrainFluidViscosity(scene, fluid) &&
+                      other > fluid))
+          ? other
+          : fluid;
+  PetscInt point;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 2 * l->dim; side++) {
+    PetscReal normal[ISPH_MAX_DIM] = {0.0};
+
+    if (part->area[side] <= 0.0) continue;
+    normal[side / 2] = side % 2 ? part->area[side] : -part->area[side];
+    PetscCall(SidePoint(scene, l, cell, side, fluid, part->at[side], sides, &point));
+    PetscCall(AddFacet(l->dim, point, normal, part->volume, facets));
+  }
+  for (PetscInt k = 0; k < part->n_surface; k++) {
+    PetscInt        body = -1;
+    const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
+    const PetscBool wall =
+        other < 0 || (body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0]) ? PETSC_TRUE : PETSC_FALSE;
+
+    point = sides->points.n;
+    PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
+                             &sides->points));
+    PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for a further cell. */
+static PetscErrorCode CellsReserve(PetscInt dim, StrainCells *s, Facets *facets)
+{
+  PetscFunctionBegin;
+  if (s->n + 1 < s->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  s->capacity = 2 * s->capacity + 1024;
+  PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->volume));
+  PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->nu));
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->capacity, &s->fluid));
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->centre[a]));
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->capacity, &facets->first));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the cells and their facets. */
+static PetscErrorCode FindCells(const Scene *scene, const Corners *corners, StrainCells *s,
+                                Sides *sides, Facets *facets)
+{
+  const StrainLattice *l     = &s->lattice;
+  PetscInt             all   = 1;
+  PetscReal            whole = 1.0;
+
+  PetscFunctionBegin;
+  s->n = 0;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    all *= l->n[a];
+    whole *= l->edge[a];
+  }
+  for (PetscInt k = 0; k < all; k++) {
+    PetscInt fluid[CELL_CORNERS], n;
+    Cell     cell;
+
+    SetCell(scene, l, k, &cell);
+    n = FluidsOf(l->dim, corners, &cell, fluid);
+    for (PetscInt q = 0; q < n; q++) {
+      PetscReal d[CELL_CORNERS];
+      CellPart  part;
+
+      DistancesIn(l, corners, &cell, fluid[q], d);
+      StrainCut(l->dim, cell.lo, l->edge, d, &part);
+      if (part.volume < LEAST_PART * whole) continue;
+      PetscCall(CellsReserve(l->dim, s, facets));
+      s->volume[s->n]     = part.volume;
+      s->fluid[s->n]      = fluid[q];
+      facets->first[s->n] = facets->n;
+      PetscCall(AddPart(scene, l, &cell, n, fluid, fluid[q], &part, sides, facets));
+      for (PetscInt a = 0; a < l->dim; a++) { /* mean of the sides */
+        PetscReal sum = 0.0, area = 0.0;
+
+        for (PetscInt side = 0; side < 2 * l->dim; side++) {
+          sum += part.area[side] * part.at[side][a];
+          area += part.area[side];
+        }
+        s->centre[a][s->n] = area > 0.0 ? sum / area : cell.lo[a] + 0.5 * l->edge[a];
+      }
+      s->n++;
+    }
+  }
+  if (s->n) facets->first[s->n] = facets->n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for n further entries of set q. */
+static PetscErrorCode EntriesReserve(PetscInt dim, PetscInt q, PetscInt n, StrainCells *s)
+{
+  PetscFunctionBegin;
+  if (s->n_entries[q] + n <= s->room[q]) PetscFunctionReturn(PETSC_SUCCESS);
+  s->room[q] = 2 * s->room[q] + n + 4096;
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room[q], &s->j[q]));
+  for (PetscInt b = 0; b < dim; b++)
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->room[q], &s->g[q][b]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the rows of the facets of a cell to its gradient, and its volume to the masses. Input: place
+   - by local index, -1; it is so afterwards. */
+static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, const Facets *facets,
+                                 PetscInt c, PetscInt q, PetscInt place[], StrainCells *s)
+{
+  const PetscInt first = s->n_entries[q], d = p->dim;
+  PetscReal      area = 0.0;
+
+  PetscFunctionBegin;
+  s->first[q][c] = first;
+  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+    const Facet   *facet = &facets->facet[k];
+    const PetscInt row   = facet->point * s->sets + q;
+
+    for (PetscInt b = 0; b < d; b++) area += PetscAbsReal(facet->normal[b]);
+    PetscCall(EntriesReserve(d, q, rows->start[row + 1] - rows->start[row], s));
+    for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++) {
+      const PetscInt j = rows->j[e];
+
+      if (place[j] < 0) {
+        place[j]          = s->n_entries[q]++;
+        s->j[q][place[j]] = j;
+        for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] = 0.0;
+      }
+      for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] += rows->w[e] * facet->normal[b];
+    }
+  }
+  for (PetscInt e = first; e < s->n_entries[q]; e++) place[s->j[q][e]] = -1;
+  for (PetscInt k = facets->first[c]; q == 0 && k < facets->first[c + 1]; k++) {
+    const Facet   *facet = &facets->facet[k];
+    const PetscInt row   = facet->point * s->sets;
+    PetscReal      share = 0.0;
+
+    for (PetscInt b = 0; b < d; b++) share += PetscAbsReal(facet->normal[b]);
+    share *= s->volume[c] / area;
+    for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++)
+      if (rows->j[e] < p->n_fluid) s->mass[rows->j[e]] += share * rows->w[e];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Joins the facets of all cells. */
+static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const Facets *facets,
+                              StrainCells *s)
+{
+  const PetscInt all = ParticlesAll(p);
+  PetscInt      *place;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(all, &place));
+  PetscCall(PetscFree(s->mass));
+  PetscCall(PetscCalloc1(p->n_fluid + 1, &s->mass));
+  for (PetscInt j = 0; j < all; j++) place[j] = -1;
+  for (PetscInt q = 0; q < s->sets; q++) {
+    s->n_entries[q] = 0;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->n + 1), &s->first[q]));
+    for (PetscInt c = 0; c < s->n; c++) PetscCall(JoinFacets(p, rows, facets, c, q, place, s));
+    s->first[q][s->n] = s->n_entries[q];
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    s->mass[i] = PetscMax(s->mass[i], LEAST_MASS * p->volume[i]);
+  PetscCall(PetscFree(place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StrainAssemble - Computes the cells and the gradients of the velocity in them for the present
+  positions
+
+  Not collective.
+
+  Input Parameters:
++ degree - of fits
+- sets   - components of the velocity with equations of their own at boundaries: 1 or dim
+
+  Input/Output Parameter:
+. cells - NULL at first
+*/
+PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
+                              PetscInt degree, PetscInt sets, StrainCells **cells)
+{
+  StrainFits fits = {.scene = scene, .p = p, .nb = nb, .degree = PetscMin(degree, 3), .sets = sets};
+  Corners    corners = {.fluid = NULL};
+  Sides      sides   = {.side = NULL};
+  Facets     facets  = {.n = 0};
+  StrainRows rows    = {.n = 0};
+  StrainCells *s;
+
+  PetscFunctionBegin;
+  if (!*cells) PetscCall(PetscNew(cells));
+  s       = *cells;
+  s->sets = sets;
+  if (SetBlock(scene, p, &s->lattice) || (scene->n_bodies && !s->lattice.distance))
+    PetscCall(SetDistances(scene, &s->lattice));
+  corners.all = CornerCount(&s->lattice);
+  if (p->fluid) {
+    PetscCall(PetscMalloc2(corners.all, &corners.fluid, corners.all, &corners.phi));
+    PetscCall(SetFluids(scene, p, &s->lattice, &corners));
+  }
+  sides.all = corners.all;
+  PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
+  for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
+  PetscCall(FindCells(scene, &corners, s, &sides, &facets));
+  PetscCall(StrainFeet(&fits));
+  PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
+  PetscCall(JoinAll(p, &rows, &facets, s));
+  PetscCall(StrainRowsFree(&rows));
+  PetscCall(StrainRowsFree(&fits.feet));
+  PetscCall(PetscFree(fits.foot));
+  PetscCall(PetscFree2(corners.fluid, corners.phi));
+  PetscCall(StrainPointsFree(&sides.points));
+  PetscCall(PetscFree(sides.side));
+  PetscCall(PetscFree(facets.first));
+  PetscCall(PetscFree(facets.facet));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,461 @@
+/*
+  Rows of the velocity at points: sums over the particles' velocities by least squares. Inside, and
+  beside walls whose velocity is given, a row is the fit of the nearest particles and points of
+  walls. On a wall it interpolates the velocity of the wall.
+
+  Beside an interface the stiffer fluid has fits of its own particles. The other fluid sees it as a
+  wall: its fits have points of the interface, where the velocity is that of the stiffer fluid. So
+  particles of a thin fluid have no part in strains of a stiff one, whose stresses would decide on
+  their velocities.
+*/
+#include "isph/fits.h"
+#include "strain.h"
+
+#define FIT_REACH  3.3   /* largest radius of a fit [dx] */
+#define FIT_SUM    2.5   /* of absolute weights, above which a fit takes more particles */
+#define FIT_MOST   160   /* particles around a point */
+#define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
+#define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
+#define WALL_RIDGE 1e-10 /* of the normal equations, over their trace: points are in a plane */
+
+/* StrainFluidViscosity - Returns the viscosity of a fluid of the scene, the reference of the
+   surrounding one [m^2/s]; not collective */
+PetscReal StrainFluidViscosity(const Scene *scene, PetscInt fluid)
+{
+  return fluid ? scene->region_nu[fluid - 1] : scene->nu;
+}
+
+/* StrainPointAdd - Adds a point; not collective */
+PetscErrorCode StrainPointAdd(PetscInt dim, const PetscReal x[], PetscInt fluid, PetscInt side,
+                              StrainPoints *points)
+{
+  PetscFunctionBegin;
+  if (points->n == points->room) {
+    points->room = 2 * points->room + 256;
+    for (PetscInt a = 0; a < dim; a++)
+      PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)points->room, &points->x[a]));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)points->room, &points->fluid));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)points->room, &points->side));
+  }
+  for (PetscInt a = 0; a < dim; a++) points->x[a][points->n] = x[a];
+  points->fluid[points->n]  = fluid;
+  points->side[points->n++] = side;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StrainPointsFree(StrainPoints *points)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(points->x[a]));
+  PetscCall(PetscFree(points->fluid));
+  PetscCall(PetscFree(points->side));
+  points->n = points->room = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StrainRowsFree(StrainRows *rows)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(rows->start));
+  PetscCall(PetscFree(rows->j));
+  PetscCall(PetscFree(rows->w));
+  rows->n = rows->rows = rows->capacity = rows->room = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds an entry to the last row. */
+static PetscErrorCode AddEntry(PetscInt j, PetscReal w, StrainRows *rows)
+{
+  PetscFunctionBegin;
+  if (rows->n == rows->capacity) {
+    rows->capacity = 2 * rows->capacity + 1024;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)rows->capacity, &rows->j));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)rows->capacity, &rows->w));
+  }
+  rows->j[rows->n]   = j;
+  rows->w[rows->n++] = w;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends a row. */
+static PetscErrorCode EndRow(StrainRows *rows)
+{
+  PetscFunctionBegin;
+  if (rows->rows + 2 > rows->room) {
+    rows->room = 2 * rows->room + 256;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)rows->room, &rows->start));
+    rows->start[0] = 0;
+  }
+  rows->start[++rows->rows] = rows->n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Particles and points of interfaces around a point, nearest first. */
+typedef struct {
+  PetscInt  n, j[FIT_MOST]; /* -1 - row of StrainFits.feet for points of interfaces */
+  PetscReal s[ISPH_MAX_DIM][FIT_MOST], r2[FIT_MOST]; /* offsets and their squares [m], [m^2] */
+} Around;
+
+/* Adds a candidate in the order of distances; the farthest are dropped if there are too many. */
+static void AddAround(PetscInt dim, PetscInt j, const PetscReal s[], Around *around)
+{
+  PetscReal r2 = 0.0;
+  PetscInt  k;
+
+  for (PetscInt a = 0; a < dim; a++) r2 += s[a] * s[a];
+  if (around->n == FIT_MOST && r2 >= around->r2[FIT_MOST - 1]) return;
+  for (k = PetscMin(around->n, FIT_MOST - 1); k > 0 && around->r2[k - 1] > r2; k--) {
+    around->r2[k] = around->r2[k - 1];
+    around->j[k]  = around->j[k - 1];
+    for (PetscInt a = 0; a < dim; a++) around->s[a][k] = around->s[a][k - 1];
+  }
+  around->r2[k] = r2;
+  around->j[k]  = j;
+  for (PetscInt a = 0; a < dim; a++) around->s[a][k] = s[a];
+  around->n = PetscMin(around->n + 1, FIT_MOST);
+}
+
+/* Returns true if a wall particle gives component c of the velocity. */
+static PetscBool GivesComponent(const StrainFits *f, PetscInt j, PetscInt c)
+{
+  const PetscBool along =
+      f->sets > 1 && PetscAbsReal(f->p->normal[c][j]) < 0.5 ? PETSC_TRUE : PETSC_FALSE;
+
+  return BoundaryEquation(f->scene, (PetscInt)f->p->side[j],
+                          along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) == EQUATION_VALUE
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Computes the point of the interface nearest to a particle [m]. */
+static void FootOf(const Particles *p, PetscInt j, PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++)
+    x[a] = p->x[a][j] - p->interface[j] * p->interface_normal[a][j];
+}
+
+/* Lists what takes part in the fit of component c at x in a fluid. Input: list - the particles
+   around x. */
+static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, PetscInt c, PetscInt n,
+                   const PetscInt list[], Around *around)
+{
+  const Particles *p = f->p;
+
+  around->n = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt j = list[k];
+    PetscReal      y[ISPH_MAX_DIM];
+    PetscInt       code = j;
+
+    if (ParticlesIsWall(p, j)) {
+      if (p->depth[j] >= p->dx[j] || !GivesComponent(f, j, c)) continue;
+      ParticlesWallPoint(p, j, y);
+    } else if (p->fluid && (PetscInt)p->fluid[j] != fluid) {
+      if (!f->foot || f->foot[j] < 0) continue;
+      if (StrainFluidViscosity(f->scene, (PetscInt)p->fluid[j]) <=
+          StrainFluidViscosity(f->scene, fluid))
+        continue;
+      FootOf(p, j, y);
+      code = -1 - (f->foot[j] * f->sets + (f->sets > 1 ? c : 0));
+    } else {
+      for (PetscInt a = 0; a < p->dim; a++) y[a] = p->x[a][j];
+    }
+    for (PetscInt a = 0; a < p->dim; a++) y[a] -= x[a];
+    AddAround(p->dim, code, y, around);
+  }
+}
+
+/* The arrays of PointFits() for the points of a group. */
+typedef struct {
+  PetscInt  n[POINT_FITS];
+  PetscReal s[ISPH_MAX_DIM][POINT_FITS * FIT_MOST];
+  PetscReal W[POINT_FITS * FIT_MOST], w[POINT_FITS * FIT_MOST];
+  Around    around[POINT_FITS];
+} Group;
+
+/* Fills the arrays for a fit of the `wanted` nearest at point i. Their radius is the distance of
+   the next, or a little more than that of the last. */
+static void FillFit(PetscInt dim, PetscInt i, PetscInt wanted, Group *g)
+{
+  const PetscInt  m      = 1 << dim;
+  const Around   *around = &g->around[i];
+  const PetscBool all    = around->n <= wanted ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       R;
+
+  g->n[i] = PetscMin(around->n, wanted);
+  if (!g->n[i]) return;
+  R = all ? 1.05 * PetscSqrtReal(around->r2[g->n[i] - 1]) : PetscSqrtReal(around->r2[wanted]);
+  for (PetscInt k = 0; k < g->n[i]; k++) {
+    const PetscReal r = PetscSqrtReal(around->r2[k]) / R;
+
+    g->W[k * m + i] = PetscSqr(PetscSqr(1.0 - r)) * (1.0 + 4.0 * r);
+    for (PetscInt a = 0; a < dim; a++) g->s[a][k * m + i] = around->s[a][k] / R;
+  }
+}
+
+/* Pads the fits of a group with the weight zero; returns the largest number of points. */
+static PetscInt PadFits(PetscInt dim, Group *g)
+{
+  const PetscInt m       = 1 << dim;
+  PetscInt       longest = 0;
+
+  for (PetscInt i = 0; i < m; i++) longest = PetscMax(longest, g->n[i]);
+  for (PetscInt i = 0; i < m; i++) {
+    for (PetscInt k = g->n[i]; k < longest; k++) {
+      g->W[k * m + i] = 0.0;
+      for (PetscInt a = 0; a < dim; a++) g->s[a][k * m + i] = 0.0;
+    }
+  }
+  return longest;
+}
+
+/* Returns the number of particles with which a fit begins. */
+static PetscInt Least(PetscInt dim, PetscInt degree)
+{
+  static const PetscInt least[2][2] = {{7, 14}, {11, 28}};
+
+  return degree > 2 ? 3 * least[dim - 2][1] / 2 : least[dim - 2][degree - 1];
+}
+
+/* Returns the sum of the absolute weights of the fit at point i of a group. */
+static PetscReal SumOfWeights(PetscInt m, PetscInt i, const Group *g)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < g->n[i]; k++) sum += PetscAbsReal(g->w[k * m + i]);
+  return sum;
+}
+
+/* Computes the fits of a degree at the points of a group that have a flag, from their lists. The
+   flag of a fit that is determined is taken away. */
+static void FitPoints(PetscInt dim, PetscInt degree, PetscBool todo[], Group *g)
+{
+  const PetscInt m = 1 << dim, least = Least(dim, degree);
+  PetscReal     *s[ISPH_MAX_DIM];
+  PetscInt       wanted[POINT_FITS], left = 0;
+  PetscBool      grows[POINT_FITS], fits[POINT_FITS];
+
+  for (PetscInt a = 0; a < dim; a++) s[a] = g->s[a];
+  for (PetscInt i = 0; i < m; i++) {
+    wanted[i] = least;
+    grows[i]  = todo[i];
+    left += todo[i] ? 1 : 0;
+  }
+  while (left) {
+    for (PetscInt i = 0; i < m; i++)
+      if (grows[i]) FillFit(dim, i, wanted[i], g);
+    PointFits(dim, degree, PadFits(dim, g), s, g->W, g->w, fits);
+    left = 0;
+    for (PetscInt i = 0; i < m; i++) {
+      if (!grows[i]) continue;
+      grows[i] = (!fits[i] || SumOfWeights(m, i, g) > FIT_SUM) && wanted[i] < g->around[i].n &&
+                         wanted[i] < 4 * least
+                     ? PETSC_TRUE
+                     : PETSC_FALSE;
+      if (!grows[i]) todo[i] = fits[i] ? PETSC_FALSE : PETSC_TRUE;
+      else wanted[i] += PetscMax(1, least / 3);
+      left += grows[i] ? 1 : 0;
+    }
+  }
+}
+
+/* Copies the fit at point i from another group. */
+static void CopyFit(PetscInt m, PetscInt i, const Group *from, Group *to)
+{
+  to->n[i] = from->n[i];
+  for (PetscInt k = 0; k < from->n[i]; k++) to->w[k * m + i] = from->w[k * m + i];
+}
+
+/* Computes the fits at the points of a group: where the points do not determine them, linear ones,
+   at last the value of the nearest point. Input: spare - work. */
+static void FitGroup(PetscInt dim, PetscInt degree, Group *g, Group *spare)
+{
+  const PetscInt m = 1 << dim;
+  PetscBool      todo[POINT_FITS], linear[POINT_FITS];
+  PetscInt       left = 0;
+
+  for (PetscInt i = 0; i < m; i++) {
+    todo[i] = g->around[i].n ? PETSC_TRUE : PETSC_FALSE;
+    g->n[i] = spare->n[i] = 0;
+  }
+  FitPoints(dim, degree, todo, g);
+  for (PetscInt i = 0; i < m; i++) {
+    linear[i]        = todo[i];
+    spare->around[i] = g->around[i];
+    left += todo[i] ? 1 : 0;
+  }
+  if (!left) return;
+  FitPoints(dim, 1, linear, spare);
+  for (PetscInt i = 0; i < m; i++) {
+    if (!todo[i]) continue;
+    CopyFit(m, i, spare, g);
+    if (!linear[i]) continue;
+    g->n[i] = 1;
+    g->w[i] = 1.0;
+  }
+}
+
+/* Adds the fit at point i of a group as a row; points of interfaces stand for their own rows. */
+static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Group *g, StrainRows *rows)
+{
+  const PetscInt m = 1 << f->p->dim;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < g->n[i]; k++) {
+    const PetscInt  j = g->around[i].j[k];
+    const PetscReal w = g->w[k * m + i];
+
+    if (j >= 0) {
+      PetscCall(AddEntry(j, w, rows));
+      continue;
+    }
+    for (PetscInt e = f->feet.start[-1 - j]; e < f->feet.start[-j]; e++)
+      PetscCall(AddEntry(f->feet.j[e], w * f->feet.w[e], rows));
+  }
+  PetscCall(EndRow(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Adds the row of the velocity on a wall at x: the linear fit of the particles of the same wall
+  around x. Input: list - the particles around x.
+*/
+static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], PetscInt side,
+                                 PetscInt n, const PetscInt list[], StrainRows *rows)
+{
+  const Particles *p = f->p;
+  const PetscInt   d = p->dim, terms = d + 1;
+  Around           around = {.n = 0};
+  PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, R2;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal y[ISPH_MAX_DIM];
+
+    if (!ParticlesIsWall(p, list[k]) || (PetscInt)p->side[list[k]] != side) continue;
+    ParticlesWallPoint(p, list[k], y);
+    for (PetscInt a = 0; a < d; a++) y[a] -= x[a];
+    AddAround(d, list[k], y, &around);
+  }
+  if (around.n > 2 * d) around.n = 2 * d;
+  R2 = around.n ? 1.2 * around.r2[around.n - 1] : 0.0;
+  for (PetscInt k = 0; k < around.n; k++) {
+    const PetscReal W = 1.0 - around.r2[k] / R2;
+
+    for (PetscInt e = 0; e < terms; e++)
+      for (PetscInt q = 0; q < terms; q++)
+        M[e * terms + q] += W * (e ? around.s[e - 1][k] / PetscSqrtReal(R2) : 1.0) *
+                            (q ? around.s[q - 1][k] / PetscSqrtReal(R2) : 1.0);
+  }
+  DenseCholeskyRidge(terms, M, WALL_RIDGE, factor);
+  DenseCholeskySolve(terms, factor, c);
+  for (PetscInt k = 0; k < around.n; k++) {
+    PetscReal w = c[0];
+
+    for (PetscInt a = 0; a < d; a++) w += c[1 + a] * around.s[a][k] / PetscSqrtReal(R2);
+    PetscCall(AddEntry(around.j[k], w * (1.0 - around.r2[k] / R2), rows));
+  }
+  PetscCall(EndRow(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if a boundary gives component c of the velocity at a point on it; only boundaries
+   along the axes give some of them. */
+static PetscBool SideGives(const StrainFits *f, PetscInt side, PetscInt c)
+{
+  const PetscBool along =
+      f->sets > 1 && side < 2 * f->p->dim && side / 2 != c ? PETSC_TRUE : PETSC_FALSE;
+
+  return BoundaryEquation(f->scene, side, along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) ==
+                 EQUATION_VALUE
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+  StrainRowsOf - Computes the rows of the velocity at points: `sets` of each, one after the other
+
+  Not collective. Input: points - at which; f - its feet if there are interfaces.
+*/
+PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRows *rows)
+{
+  const Particles *p   = f->p;
+  const PetscInt   dim = p->dim, m = 1 << dim, most = f->nb->cells.n + 1, all = points->n * f->sets;
+  const PetscReal  reach = FIT_REACH * p->dx[0] + 0.5 * f->nb->margin;
+  Group           *g, *spare;
+  PetscInt        *list;
+
+  PetscFunctionBegin;
+  rows->n = rows->rows = 0;
+  PetscCall(PetscMalloc1(most, &list));
+  PetscCall(PetscNew(&g));
+  PetscCall(PetscNew(&spare));
+  for (PetscInt first = 0; first < all; first += m) {
+    PetscBool on_wall[POINT_FITS];
+
+    for (PetscInt i = 0; i < m; i++) {
+      const PetscInt k = (first + i) / f->sets, c = (first + i) % f->sets;
+      PetscReal      x[ISPH_MAX_DIM];
+      PetscInt       n;
+
+      g->around[i].n = 0;
+      on_wall[i]     = PETSC_FALSE;
+      if (first + i >= all) continue;
+      on_wall[i] = points->side[k] >= 0 && SideGives(f, points->side[k], c);
+      for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
+      if (on_wall[i]) continue;
+      PetscCall(CellsFind(&f->nb->cells, x, reach, most, list, &n));
+      Gather(f, x, points->fluid[k], c, n, list, &g->around[i]);
+    }
+    FitGroup(dim, f->degree, g, spare);
+    for (PetscInt i = 0; i < m && first + i < all; i++) {
+      const PetscInt k = (first + i) / f->sets;
+      PetscReal      x[ISPH_MAX_DIM];
+      PetscInt       n;
+
+      if (!on_wall[i]) {
+        PetscCall(AddFit(f, i, g, rows));
+        continue;
+      }
+      for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
+      PetscCall(CellsFind(&f->nb->cells, x, WALL_REACH * p->dx[0], most, list, &n));
+      PetscCall(AddWallRow(f, x, points->side[k], n, list, rows));
+    }
+  }
+  PetscCall(PetscFree(list));
+  PetscCall(PetscFree(g));
+  PetscCall(PetscFree(spare));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainFeet - Computes the rows of the velocity at the points of interfaces that particles of
+   stiffer fluids beside them mark; not collective */
+PetscErrorCode StrainFeet(StrainFits *f)
+{
+  const Particles *p      = f->p;
+  StrainPoints     points = {0};
+
+  PetscFunctionBegin;
+  if (!p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(ParticlesAll(p), &f->foot));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
+    PetscReal x[ISPH_MAX_DIM], length = 0.0;
+
+    f->foot[j] = -1;
+    if (ParticlesIsWall(p, j) || p->interface[j] > FOOT_DEPTH * p->dx[j]) continue;
+    for (PetscInt a = 0; a < p->dim; a++) length += PetscSqr(p->interface_normal[a][j]);
+    if (length < 0.5) continue;
+    FootOf(p, j, x);
+    f->foot[j] = points.n;
+    PetscCall(StrainPointAdd(p->dim, x, (PetscInt)p->fluid[j], -1, &points));
+  }
+  { /* fits of a fluid beside a stiffer third one have no feet yet */
+    PetscInt *foot = f->foot;
+
+    f->foot = NULL;
+    PetscCall(StrainRowsOf(f, &points, &f->feet));
+    f->foot = foot;
+  }
+  PetscCall(StrainPointsFree(&points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
