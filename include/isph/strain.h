@@ -50,7 +50,7 @@ struct StrainCells {
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
 
-PetscReal      StrainReach(PetscReal dx);
+PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
                               PetscInt degree, PetscInt sets, StrainCells **cells);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,

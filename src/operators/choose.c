@@ -416,7 +416,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   if (needs & NEED_STREAMS) forms->reach += STREAM_MARGIN * SceneCoarsest(scene);
   if (forms->wall && forms->wall->dynamic) forms->reach += forms->radius;
   if (forms->visc.row && forms->visc.row->weak)
-    forms->reach = PetscMax(forms->reach, StrainReach(SceneCoarsest(scene)));
+    forms->reach = PetscMax(forms->reach, StrainReach(scene));
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =
         forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);

@@ -114,13 +114,13 @@ static PetscErrorCode CutDivergence(const Flow *flow, const Splines *s, const Ve
   Vec all, walls;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateVecs(s->cut[1], &all, NULL));
+  PetscCall(VelocityVec(flow->particles, &all));
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
   PetscCall(MatMult(s->cut[1], all, d));
   PetscCall(VecDestroy(&all));
   if (!s->cut[2]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateVecs(s->cut[2], &walls, NULL));
+  PetscCall(WallVelocityVec(flow->particles, &walls));
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(VecStrideScatter(flow->walls.u[a], a, walls, INSERT_VALUES));
   PetscCall(MatMultAdd(s->cut[2], walls, d, d));

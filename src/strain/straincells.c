@@ -11,11 +11,14 @@
 #define NODE_REACH  1.5  /* particles that decide on the interface at a corner [dx] */
 #define WHOLE_REACH 3.3  /* FIT_REACH, and an edge: cells that a particle has a part in [dx] */
 
-/* StrainReach - Returns the largest distance between particles of a row of the viscous matrix [m];
-   not collective */
-PetscReal StrainReach(PetscReal dx)
+/* StrainReach - Returns the largest distance of a particle that assembly reads for the rows of
+   another [m]: both have a part in a cell, through points of interfaces if there are; not
+   collective */
+PetscReal StrainReach(const Scene *scene)
 {
-  return (2.0 * WHOLE_REACH + 2.0 * CELL_EDGE) * dx;
+  const PetscReal foot = SceneFluids(scene) > 1 ? WHOLE_REACH + 1.0 : 0.0;
+
+  return (2.0 * WHOLE_REACH + 2.0 * CELL_EDGE + foot) * SceneCoarsest(scene);
 }
 
 /* Corners of the block of cells. */
@@ -383,7 +386,7 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const 
                       other > fluid))
           ? other
           : fluid;
-  PetscInt point;
+  PetscInt point = 0;
 
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 2 * l->dim; side++) {
@@ -433,6 +436,7 @@ static PetscErrorCode FindCells(const Scene *scene, const Corners *corners, Stra
 
   PetscFunctionBegin;
   s->n = 0;
+  PetscCall(PetscMalloc1(s->capacity, &facets->first));
   for (PetscInt a = 0; a < l->dim; a++) {
     all *= l->n[a];
     whole *= l->edge[a];
