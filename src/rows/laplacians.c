@@ -182,7 +182,7 @@ static const ComposedForm energy_fpm     = {GRADIENT_FIRST_ORDER, PETSC_TRUE, PE
 static const ComposedForm energy_coupled = {GRADIENT_COUPLED, PETSC_TRUE, PETSC_TRUE};
 
 static const LaplacianRow laplacians[] = {
-    /* name, brief, citation, properties, accepted corrections, row, factor, grad div, composed, weak */
+    /* name, brief, citation, properties, corrections, row, factor, grad div, composed, weak */
     {"morris", "finite difference times kernel gradient (VISC-01, model E)",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", OPPOSITE | FORM_DISSIPATES | DIFFUSIVE,
      GRADIENTS, LaplacianRow_Morris, NULL, 0.0, NULL, PETSC_FALSE},

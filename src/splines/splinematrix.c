@@ -343,7 +343,7 @@ static PetscErrorCode JumpPenalty(const Scene *scene, const Particles *p, const 
 
     -1/(nu_0 M_i) sum_k gamma_k d_k d_k^T u,   d_k u = int psi_k div u over a fluid
 
-  In the limit gamma_k d_k u are the jumps of the pressure, and the divergence of each fluid is zero.
+  In the limit gamma_k d_k u are jumps of the pressure, and each fluid has no divergence.
 */
 static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, PetscInt n, Mat all,
                                const Mat T[], Splines *s)
