@@ -9,7 +9,7 @@
 #include "isph/strain.h"
 
 #define JUMP_SHARE   1e-3 /* least share of a spline in a fluid with a jump of its own */
-#define JUMP_PENALTY 1e4  /* of the divergence in a fluid, over the largest viscosity */
+#define JUMP_PENALTY 1e3  /* of the divergence in a fluid, over the largest viscosity */
 
 /* Context of the shell. */
 typedef struct {
@@ -30,10 +30,16 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   PetscCall(MatShellGetContext(A, &factors));
   s = factors->splines;
   p = factors->particles;
-  PetscCall(SplinesGradient(s, x, s->fits.value));
-  PetscCall(PetscArrayzero(s->fits.value + p->dim * p->n_fluid, p->dim * p->n_wall));
-  PetscCall(SplinesIntegrate(p, s, y));
-  PetscCall(VecScale(y, s->scale));
+  if (s->cut[0]) {
+    PetscCall(MatMult(s->cut[0], x, s->cut_gradient));
+    PetscCall(MatMult(s->cut[1], s->cut_gradient, y));
+    PetscCall(VecScale(y, -PetscSqr(s->scale)));
+  } else {
+    PetscCall(SplinesGradient(s, x, s->fits.value));
+    PetscCall(PetscArrayzero(s->fits.value + p->dim * p->n_fluid, p->dim * p->n_wall));
+    PetscCall(SplinesIntegrate(p, s, y));
+    PetscCall(VecScale(y, s->scale));
+  }
   PetscCall(VecGetArrayRead(x, &in));
   PetscCall(VecGetArray(y, &out));
   for (PetscInt k = 0; k < s->n_unused; k++) out[s->unused[k]] = in[s->unused[k]];
@@ -401,6 +407,8 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   Mat                all, T[2] = {NULL, NULL};
 
   PetscFunctionBegin;
+  if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  s->in_cut = flow->ops->assemblies;
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
   if (!cells || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
@@ -413,6 +421,8 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   }
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(DivideByMass(p, cells, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
+  PetscCall(VecDestroy(&s->cut_gradient));
+  PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
   PetscCall(AddJumps(flow, cells, n, all, T, s));
   PetscCall(MatDestroy(&all));
   PetscCall(MatDestroy(&T[0]));
@@ -426,10 +436,15 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
   Mat G;
 
   PetscFunctionBegin;
-  PetscCall(GradientMat(s, p, &G));
-  PetscCall(IntegralMat(s, p, G, &s->A));
-  PetscCall(MatDestroy(&G));
-  PetscCall(MatScale(s->A, s->scale));
+  if (s->cut[0]) {
+    PetscCall(Multiply(s->cut[1], s->cut[0], &s->A));
+    PetscCall(MatScale(s->A, -PetscSqr(s->scale)));
+  } else {
+    PetscCall(GradientMat(s, p, &G));
+    PetscCall(IntegralMat(s, p, G, &s->A));
+    PetscCall(MatDestroy(&G));
+    PetscCall(MatScale(s->A, s->scale));
+  }
   if (!s->extension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(EmptyRows(s, s->A));
   PetscCall(MatSetOption(s->A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
@@ -484,7 +499,7 @@ PetscErrorCode SplinesMatrix(const Particles *p, PetscBool multiplies, Splines *
   } else if (s->product != s->assemblies) {
     PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
     PetscCall(MatDestroy(&s->A));
-    if (multiplies && ranks == 1) PetscCall(SplineRowsCompute(s, p, &rows));
+    if (multiplies && ranks == 1 && !s->cut[0]) PetscCall(SplineRowsCompute(s, p, &rows));
     if (rows) PetscCall(SplineRowsShell(p->comm, rows, &s->A));
     else PetscCall(SplineProduct(s, p));
   }

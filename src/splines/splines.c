@@ -157,7 +157,7 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(MatDestroy(&s->M));
   PetscCall(MatDestroy(&s->A));
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
-  PetscCall(MatDestroy(&s->jump));
+  PetscCall(VecDestroy(&s->cut_gradient));
   PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->p));
   PetscCall(VecDestroy(&s->phi));
@@ -225,7 +225,6 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
   if (s->epoch != p->epoch) PetscCall(SplinesNumber(p, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
-  PetscCall(SplinesCutAssemble(flow, s));
   s->epoch = p->epoch;
   s->moved = p->moved;
   s->assemblies++;

@@ -235,8 +235,8 @@ struct Splines {
   Mat       M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
   Vec       mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
   Mat       cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
-  Mat       jump;   /* divergence in each fluid beside interfaces; NULL: none */
-  Mat       A;      /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+  Vec       cut_gradient; /* work: at particles */
+  Mat       A; /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -253,6 +253,7 @@ struct Splines {
 
   PetscInt assemblies, numbering; /* stamps of fits and places, and of the splines' numbers */
   PetscInt product;               /* stamp of the fits in A */
+  PetscInt in_cut;                /* stamp of the operators with `cut` */
 };
 
 /* splinebodies.c, splinesolids.c, splineextend.c */

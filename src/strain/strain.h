@@ -32,7 +32,7 @@ PetscErrorCode StrainPointAdd(PetscInt dim, const PetscReal x[], PetscInt fluid,
                               StrainPoints *points);
 PetscErrorCode StrainPointsFree(StrainPoints *points);
 
-/* What the rows of points need. */
+/* Data for the rows of points. */
 typedef struct {
   const Scene     *scene;
   const Particles *p;

@@ -172,7 +172,7 @@ static PetscErrorCode AroundParticle(const Scene *scene, const Particles *p, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What particles say of the interface at corners. */
+/* Particles near corners, and the distance of the interface by them. */
 typedef struct {
   PetscReal  reach;
   PetscInt  *nearest, *other; /* particle: of all, and of fluids other than its; -1: none */

@@ -232,7 +232,9 @@ static PetscErrorCode CoupledRegister(Flow *flow)
 static PetscErrorCode CoupledAssembleSplines(Flow *flow)
 {
   PetscFunctionBegin;
-  if (flow->scheme->splines) PetscCall(SplinesAssemble(flow, flow->scheme->splines));
+  if (!flow->scheme->splines) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplinesAssemble(flow, flow->scheme->splines));
+  PetscCall(SplinesCutAssemble(flow, flow->scheme->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
