@@ -8,7 +8,7 @@ stream function and its place. Taylor and Hood's elements; with interfaces, wher
 with a bubble and pressure of degree 1 that jumps between triangles (M. Crouzeix & P.-A. Raviart, RAIRO R3 (1973) 33-75), and
 sides of triangles lie on interfaces.
 Newton's method with the exact derivative of the law, from small regularisation to the last by factors of 3. Three
-meshes, each 1.5 times as fine as the one before; the values are those of the finest, and the head of a file has their differences
+meshes, each 1.5 times as fine as the one before, which gives its start; the values are those of the finest, and the head of a file has their differences
 from the second. A force is the reaction of a body's nodes (V. John, Int. J. Numer. Meth. Fluids 25 (1997) 777-797).
 Needs Debian's freefem++."""
 import os
@@ -20,47 +20,50 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 RATIOS = ("1e-6", "1e-3", "1e-1", "1e1", "1e3", "1e6")
 YIELDS = ("1", "10", "100", "1000")
-MESHES = (0.3, 0.45, 0.675)
+MESHES = (0.3, 0.45, 0.675)  # density of the sides
+FINER = (0.5, 0.75, 1.125)  # of cavities
 NEAR = 0.045  # of an interface: no points
-SOLVE = """
+HEAD = """
 fespace V(Th, ELEMENT); fespace Q(Th, PRESSURE); fespace W(Th, P2);
-V u = 0, v = 0, du, dv, a, b; Q p, dp, q; real change = 1, m = FIRST; int step, total = 0;
+V u = 0, v = 0, du, dv, a, b, cu, cv, ou, ov, one, zero; Q p, dp, q; W psi, test; real moved = 1, m = FIRST; int step, total = 0;
 macro G2() (2*(dx(u)^2 + dy(v)^2) + (dy(u) + dx(v))^2) //
 macro G() sqrt(G2 + 1e-24) //
 macro NU() (LAW) //
 macro SLOPE() (DERIVATIVE) //
 macro ENERGY() (POTENTIAL) //
 macro EE(a, b, c, d) (dx(a)*dx(c) + dy(b)*dy(d) + 0.5*(dy(a) + dx(b))*(dy(c) + dx(d))) //
-for (m = FIRST; true; m = min(3*m, 1.*LAST)) {
-  change = 1;
-  for (step = 0; step < 80 && change > (m < LAST ? 0.02 : 1e-8); step++) {
+"""
+SOLVE = """
+for (total = 0; true; m = min(3*m, 1.*LAST)) {
+  moved = 1;
+  for (step = 0; step < 80 && moved > (m < LAST ? 0.02 : 1e-8); step++) {
     real newton = total > 0;
     solve Newton([du, dv, dp], [a, b, q], solver = UMFPACK) =
       int2d(Th)(2*NU*EE(du, dv, a, b) + newton*8*SLOPE*EE(u, v, du, dv)*EE(u, v, a, b) - dp*(dx(a) + dy(b)) - q*(dx(du) + dy(dv)) - EPS*dp*q)
       - int2d(Th)(newton*8*SLOPE*EE(u, v, u, v)*EE(u, v, a, b))
       + on(1, du = U1, dv = 0) + on(2, du = 0, dv = 0) + on(3, du = 1, dv = 0) + on(9, dv = 0) + on(11, du = 0, dv = 0);
-    V cu = du - u, cv = dv - v, ou = u, ov = v; change = max(cu[].linfty, cv[].linfty); p = dp;
+    cu = du - u; cv = dv - v; ou = u; ov = v; moved = max(cu[].linfty, cv[].linfty); p = dp;
     real before = int2d(Th)(ENERGY), share = 1;  // the solution is its minimum: halve steps that do not lessen it
     u = du; v = dv;
-    for (int k = 0; newton > 0 && k < 30 && change > 1e-8 && int2d(Th)(ENERGY) > before; k++) {
+    for (int k = 0; newton > 0 && k < 30 && moved > 1e-7 && int2d(Th)(ENERGY) > before; k++) {
       share = share/2; u = ou + share*cu; v = ov + share*cv; }
     total++;
-    if (TRACE) cout << "trace " << m << " " << step << " " << change << " " << share << endl;
+    if (TRACE) cout << "trace " << m << " " << step << " " << moved << " " << share << endl;
     if (!NONLINEAR) break;
   }
   if (!NONLINEAR || m >= LAST) break;
 }
-cout.precision(9);
-cout << "result solves " << total << endl << "result change " << (NONLINEAR ? change : 0) << endl;
+cout.precision(9); cout << "mesh" << endl;
+cout << "result solves " << total << endl << "result change " << (NONLINEAR ? moved : 0) << endl;
 cout << "result unknowns " << 2*V.ndof + Q.ndof << endl << "result kinetic_energy " << int2d(Th)(0.5*(u^2 + v^2)) << endl;
 real mean = int2d(Th)(p)/int2d(Th)(1.);
 if (EPS > 0) p = p - mean;
 if (BODY) {
-  varf Mark(f, g) = on(11, f = 1); V one, zero = 0; one[] = Mark(0, V, tgv = 1);
+  varf Mark(f, g) = on(11, f = 1); zero = 0; one = 0; one[] = Mark(0, V, tgv = 1);
   cout << "result body_1_fx " << -int2d(Th)(2*NU*EE(u, v, one, zero) - p*dx(one)) << endl;
 }
 if (STREAM) {
-  W psi, test; solve Stream(psi, test) = int2d(Th)(dx(psi)*dx(test) + dy(psi)*dy(test)) - int2d(Th)((dx(v) - dy(u))*test) + on(2, 3, psi = 0);
+  solve Stream(psi, test) = int2d(Th)(dx(psi)*dx(test) + dy(psi)*dy(test)) - int2d(Th)((dx(v) - dy(u))*test) + on(2, 3, psi = 0);
   W ax = abs(psi); int best = 0;
   for (int i = 0; i < W.ndof; i++) if (ax[][i] > ax[][best]) best = i;
   W X = x, Y = y; real hx = X[][best], hy = Y[][best], w = 0.02;
@@ -147,56 +150,64 @@ def inclusion(shape, ratio):
 def cavity(law, **words):
     """Returns the unit box whose lid moves, filled with a fluid of a law; the mesh is finer at its sides."""
     def text(m):
-        return (f"int n = {int(60 * m)}; mesh Th = square(n, n, [0.1*x+0.45*(1-cos(pi*x)), 0.1*y+0.45*(1-cos(pi*y))]);\n"
+        return (f"int n = {int(60 * m)}; mesh Th = square(n, n, [0.1*x+0.45*(1-cos(pi*x)), 0.1*y+0.9*sin(pi*y/2)]);\n"
                 "int[int] labels = [1, 2, 4, 2]; Th = change(Th, refe = labels);\n")
     points = [(round(0.1 * i, 3), y) for i in range(1, 10) for y in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.975)]
     return text, words, LAWS[law], points, [0] * len(points), {"STREAM": 1}
 
 
-def cylinder(law, **words):
-    """Returns a cylinder in a channel; parabola at the inflow, no tangential velocity and no normal stress at the outflow."""
+def cylinder(law, closed=False, **words):
+    """Returns a cylinder in a channel; parabola at the inflow, and at the right side the same, or no tangential velocity and no normal
+    stress."""
+    right = 1 if closed else 9
+
     def text(m):
-        return mesh([side(0, 0, 3, 0, 2, 90 * m), side(3, 0, 3, 1, 9, 30 * m), side(3, 1, 0, 1, 2, 90 * m), side(0, 1, 0, 0, 1, 30 * m),
+        return mesh([side(0, 0, 3, 0, 2, 90 * m), side(3, 0, 3, 1, right, 30 * m), side(3, 1, 0, 1, 2, 90 * m), side(0, 1, 0, 0, 1, 30 * m),
                      ring(1, 0.5, 0.15, 11, -round(150 * m))])
     points = [(x, y) for x in (0.3, 0.6, 0.75, 1, 1.25, 1.4, 1.7, 2.2) for y in (0.1, 0.2, 0.3, 0.5, 0.7) if (x - 1)**2 + (y - 0.5)**2 > 0.0396]
-    return text, {"U1": "6*y*(1-y)", **words}, LAWS.get(law, NEWTONIAN), points, [0] * len(points), {"BODY": 1, "EPS": 0}
+    return text, {"U1": "6*y*(1-y)", **words}, LAWS.get(law, NEWTONIAN), points, [0] * len(points), {"BODY": 1, "EPS": 1e-10 if closed else 0}
 
 
 FLOWS = {f"{shape}_{ratio}": inclusion(shape, ratio) for shape in ("circle", "square", "floor") for ratio in RATIOS}
 FLOWS |= {f"cavity_bingham_{value}": cavity("bingham", YIELD=value, FIRST=1 / float(value) + 0.5, LAST=1000) for value in YIELDS}
 FLOWS |= {"cavity_power_0.5": cavity("power", N=0.5), "cavity_carreau": cavity("carreau", N=0.5, TIME=5)}
-FLOWS |= {"cylinder_newtonian": cylinder("newtonian"), "cylinder_power_0.7": cylinder("power", N=0.7),
-          "cylinder_power_1.5": cylinder("power", N=1.5), "cylinder_carreau": cylinder("carreau", N=0.5, TIME=1)}
+for word, closed in (("cylinder", False), ("passage", True)):
+    FLOWS |= {f"{word}_newtonian": cylinder("newtonian", closed), f"{word}_carreau": cylinder("carreau", closed, N=0.5, TIME=1)}
+    FLOWS |= {f"{word}_power_{n}": cylinder("power", closed, N=n) for n in (0.7, 1.5)}
 
 
-def program(name, m):
-    """Returns FreeFem's program of a flow on a mesh."""
-    text, words, law, points, _, switches = FLOWS[name]
-    jumps = "REGION" in words
-    switches = {"ELEMENT": "P2b" if jumps else "P2", "PRESSURE": "P1dc" if jumps else "P1", "NONLINEAR": int(law is not NEWTONIAN), "EPS": 1e-10, "BODY": 0, "STREAM": 0, "TRACE": 0, "FIRST": 1, "LAST": 1, **switches}
-    words = dict(words)
-    switches |= {key: words.pop(key) for key in ("FIRST", "LAST") if key in words}
-    head = text(m)
-    nu = (f"fespace P(Th, P0); P nu = ({words['REGION']}) ? {words['NU0']} : 1;\n" if "REGION" in words else "real nu = 1;\n")
-    nu += f"func U1 = {words.get('U1', '0*x')};\n"
-    body = SOLVE.replace("LAW", law[0], 1).replace("DERIVATIVE", law[1], 1).replace("POTENTIAL", law[2], 1)
-    for key, value in {**switches, **{k: v for k, v in words.items() if k not in ("REGION", "NU0", "U1")}}.items():
-        body = re.sub(rf"\b{key}\b", str(value), body)
-    return head + nu + body + "".join(
-        f'cout << "point " << u({x}, {y}) << " " << v({x}, {y}) << " " << p({x}, {y}) << endl;\n' for x, y in points)
+def program(name, sizes):
+    """Returns FreeFem's program of a flow on meshes; the solution on one is the start on the next."""
+    make, words, law, points, _, switches = FLOWS[name]
+    jumps, words = "REGION" in words, dict(words)
+    switches = {"ELEMENT": "P2b" if jumps else "P2", "PRESSURE": "P1dc" if jumps else "P1", "NONLINEAR": int(law is not NEWTONIAN), "EPS": 1e-10,
+                "BODY": 0, "STREAM": 0, "TRACE": 0, "FIRST": 1, "LAST": 1, **switches, **words}
+    nu = f"nu = ({words['REGION']}) ? {words['NU0']} : 1;\n" if jumps else "nu = 1;\n"
+    text = make(sizes[0]) + f"fespace P(Th, P0); P {nu}func U1 = {words.get('U1', '0*x')};\n"
+    text += HEAD.replace("LAW", law[0], 1).replace("DERIVATIVE", law[1], 1).replace("POTENTIAL", law[2], 1)
+    shown = "".join(f'cout << "point " << u({x}, {y}) << " " << v({x}, {y}) << " " << p({x}, {y}) << endl;\n' for x, y in points)
+    for k, size in enumerate(sizes):
+        text += "{\n" + (f"{make(size).replace('mesh Th =', 'Th =')}u = u; v = v; p = p; m = max(1.*FIRST, LAST/27.); {nu}" if k else "") + SOLVE + shown + "}\n"
+    for key, value in switches.items():
+        if key not in ("REGION", "NU0", "U1"):
+            text = re.sub(rf"\b{key}\b", str(value), text)
+    return text
 
 
-def solve(name, m):
-    """Returns the results of a flow on a mesh, and velocity and pressure at its points."""
+def solve(name):
+    """Returns for each mesh the results of a flow, and velocity and pressure at its points."""
     with tempfile.NamedTemporaryFile("w", suffix=".edp") as file:
-        file.write(program(name, m))
+        file.write(program(name, FINER if re.match("cavity|passage|cylinder", name) else MESHES))
         file.flush()
         done = subprocess.run(["FreeFem++", "-nw", "-v", "0", file.name], capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(f"{name}: {done.stdout[-2000:]}{done.stderr}")
-    lines = [line.split() for line in done.stdout.splitlines()]
-    return ({line[1]: float(line[2]) for line in lines if line[:1] == ["result"]},
-            [[float(word) for word in line[1:]] for line in lines if line[:1] == ["point"]])
+    found = []
+    for part in done.stdout.split("mesh\n")[1:]:
+        lines = [line.split() for line in part.splitlines()]
+        found.append(({line[1]: float(line[2]) for line in lines if line[:1] == ["result"]},
+                      [[float(word) for word in line[1:]] for line in lines if line[:1] == ["point"]]))
+    return found
 
 
 def distance(few, many, columns):
@@ -208,7 +219,7 @@ def distance(few, many, columns):
 def main():
     only = sys.argv[1] if len(sys.argv) > 1 else ""
     for name in [name for name in FLOWS if re.search(only, name)]:
-        results = [solve(name, m) for m in MESHES]
+        results = solve(name)
         (_, _), (middle, few), (fine, many) = results
         change = fine.pop("change")
         if change > 1e-6:
