@@ -34,6 +34,7 @@ typedef struct {
   PetscReal path;            /* by steps along the paths of particles, the same [-] */
   PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */
   PetscReal layer;           /* thickness of sheared layers beside rigid parts; 0: none [dx] */
+  PetscReal excess; /* |tau - tau_0|/tau of the mean stress tau of a fluid that yields [-] */
 } Resolution;
 
 /* Parts of the estimated error, see src/measures/trust.c. */

@@ -159,7 +159,8 @@ static PetscReal FallDistance(const Flow *flow, const PetscReal rate[], PetscInt
 }
 
 /*
-  Computes the thickness of the sheared layers of a fluid that yields [dx]
+  Computes the thickness of the sheared layers of a fluid that yields [dx], and the excess of the
+  mean stress over the yield stress, both weighted by the dissipation w
 
     N^2 = (3/2 sum w D/sum w)^2 - WIDTH^2,   D_i = min_j r_ij g_i/(g_i - g_j),   w = tau g
 
@@ -167,30 +168,35 @@ static PetscReal FallDistance(const Flow *flow, const PetscReal rate[], PetscInt
   3/2 of the mean of D is the thickness of the layer. The fits of g widen it. D is at most the
   radius of the support. With the exact velocity of channels N errs by at most 10 % up to 3.
 */
-static PetscErrorCode LayerThickness(const Flow *flow, PetscReal *layer)
+static PetscErrorCode LayerThickness(const Flow *flow, Resolution *resolution)
 {
   const Particles *p = flow->particles;
   const Rheology  *r = &flow->scene->rheology;
-  PetscReal       *rate, sum[2] = {0.0, 0.0};
+  PetscReal       *rate, stress, sum[3] = {0.0, 0.0, 0.0};
 
   PetscFunctionBegin;
-  *layer = 0.0;
+  resolution->layer = resolution->excess = 0.0;
   if (!r->row || !(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_YIELD)))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(ParticlesAll(p), &rate));
   PetscCall(OperatorsStrainRate(flow->ops, p, flow->state->u, flow->walls.u, rate));
   PetscCall(ParticlesHaloField(p, rate));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal w = ParticlesWeight(p, i) * RheologyViscosity(r, rate[i]) * PetscSqr(rate[i]);
+    const PetscReal tau = RheologyViscosity(r, rate[i]) * rate[i];
+    const PetscReal w   = ParticlesWeight(p, i) * tau * rate[i];
 
     if (!(rate[i] > 0.0)) continue;
     sum[0] += w * FallDistance(flow, rate, i) / p->dx[i];
     sum[1] += w;
+    sum[2] += w * tau;
   }
   PetscCall(PetscFree(rate));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
   if (!(sum[1] > 0.0)) PetscFunctionReturn(PETSC_SUCCESS);
-  *layer = PetscSqrtReal(PetscMax(PetscSqr(LAYER * sum[0] / sum[1]) - PetscSqr(WIDTH), 0.25));
+  stress             = sum[2] / sum[1];
+  resolution->excess = PetscAbsReal(1.0 - r->parameter[RHEOLOGY_YIELD] / stress);
+  resolution->layer =
+      PetscSqrtReal(PetscMax(PetscSqr(LAYER * sum[0] / sum[1]) - PetscSqr(WIDTH), 0.25));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,6 +233,6 @@ PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
                              MPIU_REAL, MPIU_SUM, p->comm));
   SetErrors(flow, &sums, resolution);
   PetscCall(FindPlace(flow, worst.i, worst.difference, resolution->x));
-  PetscCall(LayerThickness(flow, &resolution->layer));
+  PetscCall(LayerThickness(flow, resolution));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -44,14 +44,6 @@ static void Combine(Trust *trust)
   }
 }
 
-/* Returns the error by layers that are too thin, of order dx^2 as that of the operators, and at
-   most 1. */
-static PetscReal LayerError(PetscReal layer)
-{
-  if (!(layer > 0.0) || layer >= LAYER_LEAST) return 0.0;
-  return PetscMin(1.0, TRUSTED * PetscSqr(LAYER_LEAST / layer));
-}
-
 /* Returns the largest violation of a balance that an error of the velocity makes, at least an error
    that cannot be trusted; zero if these balances are kept. Forces may err where the velocity does
    not: their balances have notes of their own. */
@@ -90,6 +82,24 @@ static PetscReal ErrorScale(const Flow *flow)
 }
 
 /*
+  Returns the error by sheared layers of a fluid that yields, at most 1: by those that are too thin,
+  of order dx^2 as the errors of the operators are, and in flows that forces drive by the error of
+  stresses, which is that of their balance: only the excess over the yield stress shears the fluid
+*/
+static PetscReal LayerError(const Flow *flow, const Resolution *resolution)
+{
+  const BalanceSheet *sheet = &flow->scheme->sheet;
+  const SpeedBound   *bound = &flow->scheme->bound;
+  PetscReal           error = 0.0;
+
+  if (!(resolution->layer > 0.0)) return 0.0;
+  if (resolution->layer < LAYER_LEAST) error = TRUSTED * PetscSqr(LAYER_LEAST / resolution->layer);
+  if (sheet->applies[BALANCE_FORCE] && bound->force > 0.0 && !(bound->walls > 0.0))
+    error = PetscMax(error, sheet->value[BALANCE_FORCE] / resolution->excess);
+  return PetscMin(error, 1.0);
+}
+
+/*
   TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
   at most TRUSTED, otherwise 0
 
@@ -114,7 +124,7 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   trust->part[TRUST_OPERATOR] = error / (scale + error);
   trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
   trust->part[TRUST_BALANCE]  = BalanceError(flow);
-  trust->part[TRUST_LAYER]    = LayerError(resolution.layer);
+  trust->part[TRUST_LAYER]    = LayerError(flow, &resolution);
   trust->layer                = resolution.layer;
   Combine(trust);
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
@@ -134,7 +144,7 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-visc_laplacian", &typed));
-  if (trust->part[TRUST_LAYER] > 0.0) {
+  if (trust->layer > 0.0 && trust->layer < LAYER_LEAST) {
     PetscCall(PetscSNPrintf(text, length,
                             "sheared layers beside rigid parts are %.2g particles thick, and need "
                             "at least %.0f; try -n %.0f",
