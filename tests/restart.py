@@ -2,8 +2,8 @@
 """Stops runs and restarts them.
 
     restart.py kill ISPH           a run killed 30 times at random moments has the same report, snapshots and probes
-    restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks), also if
-                                   steps follow the error in time; on 3 ranks one flow of each kind of state
+    restart.py bitwise ISPH...     continued and restarted runs, and the fields of their particles, are equal to the last
+                                   bit (1 and 3 ranks), also if steps follow the error in time; on 3 ranks one flow of each kind of state
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarts on 1, 2 and 3 ranks with the same flow to 1e-10
     restart.py term ISPH           a run that gets SIGTERM leaves a checkpoint and the status interrupted; the
                                    restarted run has the same flow to 1e-4
@@ -41,6 +41,7 @@ SAME_FIELDS = [*SAME, "-velocity_filter", "4"]  # the particles have the fields 
 CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
 COMPRESSIBLE = ["-scheme", "wcsph"]
 GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_viscosity", "implicit"]
+FLUIDS = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-scene_fluid_1", "circle,0.5,0.7,0.2", "-scene_fluid_1_viscosity", "1"]
 OPENINGS = ["-case", "scene", "-scene_inflow", "left", "-scene_outflow", "right", "-scene_wall_left_velocity", "6*y*(1-y),0",
             "-scene_velocity", "6*y*(1-y),0", "-viscosity", "0.1"]  # particles enter and leave
 JET = ["-case", "scene", "-scene_box", "0,0,2,1.5", "-scene_inflow", "top", "-scene_opening_top", "0.5,1.5", "-scene_outflow",
@@ -129,7 +130,15 @@ def ranked(command, n):
 
 
 ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "impact", "compressible", "openings", \
-    "jet"
+    "jet", "fluids"
+
+
+def checksum(path):
+    """Returns the checksum of a checkpoint, over the fields of all particles and all other numbers of its run."""
+    with open(path, "rb") as file:
+        contents = Contents(file.read())
+    at = contents.attributes["checksum"].at
+    return contents.data[at:at + 8]
 
 
 def bitwise(*command):
@@ -149,6 +158,7 @@ def bitwise(*command):
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
                            ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
+                           ("fluids", FLUIDS),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:
                 continue
@@ -166,6 +176,7 @@ def bitwise(*command):
             run([*start_, "-max_steps", "20", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],
                 folder)
             assert report(f"{folder}/a.csv") == report(f"{folder}/c.csv"), folder
+            assert checksum(f"{folder}/a.h5") == checksum(f"{folder}/c.h5"), folder
 
 
 def ranks(*command):

@@ -2,7 +2,7 @@
   Interfaces of fluids: distances from them at the start are those of the geometry, also where the
   border of a region ends at a wall, is covered by another region, or has periodic images. Planes
   from the distances of disordered particles are exact for straight interfaces, and of second order
-  for curved ones.
+  for curved ones; moving particles carry the interface with the fluid.
 */
 /* RANKS: 1 2 */
 #include <string.h>
@@ -256,12 +256,69 @@ static void test_curved(void **state)
   }
 }
 
+/* Returns the distance of x from a disc about (0.5, 0.5) that a strain of 1 has sheared; periodic
+   along x. */
+static PetscReal ShearedDistance(const PetscReal x[])
+{
+  PetscReal best = PETSC_INFINITY;
+
+  for (PetscInt k = 0; k < 2000; k++) {
+    const PetscReal angle = 2.0 * PETSC_PI * k / 2000.0;
+    const PetscReal y     = 0.5 + 0.25 * PetscSinReal(angle);
+    PetscReal       d     = x[0] - (0.5 + 0.25 * PetscCosReal(angle) + y);
+
+    d -= PetscFloorReal(d + 0.5);
+    best = PetscMin(best, PetscSqr(d) + PetscSqr(x[1] - y));
+  }
+  return PetscSqrtReal(best);
+}
+
+/* Particles carry the interface through a shear: those within 1.5 dx err by 0.1 dx in the mean. */
+static void test_shear(void **state)
+{
+  const WallPlacement walls  = {0};
+  const PetscInt      steps  = 50;
+  PetscReal           sum[2] = {0.0};
+  Scene               scene;
+  Particles          *p;
+  Neighbors          *nb;
+
+  (void)state;
+  MakeScene(PETSC_TRUE, &scene);
+  scene.dx       = 1.0 / 32.0;
+  scene.cells[0] = scene.cells[1] = 32;
+  BodyCircle(&scene, 0.5, 0.5, 0.25, &scene.region[scene.n_regions++]);
+  assert_int_equal(ParticlesCreate(&scene, 2.6 * scene.dx, &p), 0);
+  assert_int_equal(ParticlesFill(&scene, walls, NULL, p), 0);
+  assert_int_equal(NeighborsCreate(2.6 * scene.dx, scene.dx, &nb), 0);
+  for (PetscInt step = 0; step < steps; step++) {
+    for (PetscInt i = 0; i < p->n_fluid; i++) p->x[0][i] += p->x[1][i] / steps;
+    assert_int_equal(ParticlesUpdateEpoch(&scene, p, PETSC_TRUE, NULL), 0);
+    assert_int_equal(NeighborsUpdate(p, 0.0, nb), 0);
+    assert_int_equal(InterfacesFollow(p, nb), 0);
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < 2; a++)
+      x[a] = p->x[a][i] - p->interface[i] * p->interface_normal[a][i];
+    if (p->interface[i] > 1.5 * scene.dx) continue;
+    sum[0] += PetscSqr(ShearedDistance(x) / scene.dx);
+    sum[1] += 1.0;
+  }
+  assert_int_equal(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD), 0);
+  CloudAssertNone("number", "shear", sum[1] < 120.0);
+  CloudAssertNone("place", "shear", PetscSqrtReal(sum[0] / sum[1]) > 0.1);
+  assert_int_equal(NeighborsDestroy(&nb), 0);
+  assert_int_equal(ParticlesDestroy(&p), 0);
+}
+
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_straight), cmocka_unit_test(test_disc),
       cmocka_unit_test(test_covered),  cmocka_unit_test(test_planes),
-      cmocka_unit_test(test_curved),
+      cmocka_unit_test(test_curved),   cmocka_unit_test(test_shear),
   };
   int failed;
 

@@ -245,6 +245,7 @@ PetscErrorCode InterfacePointsDestroy(InterfacePoints *points);
 PetscReal SceneInterface(const Scene *scene, const InterfacePoints *points, const PetscReal x[],
                          PetscReal most, PetscReal normal[]);
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[]);
+PetscReal SceneFluidViscosity(const Scene *scene, PetscInt fluid, const PetscReal x[]);
 PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);

@@ -12,6 +12,7 @@
 #define RIDGE        0.01 /* of the change of the normal by a fit [dx^2] */
 #define BESIDE       1.25 /* most along an interface from particles that see it [dx_i] */
 #define RELAX        0.2  /* part of the way of a distance to that of its fit in a step */
+#define NEXT         1.5  /* of particles of two fluids beside each other [dx_i] */
 #define STRETCH_MOST 2.0  /* of distances between two steps */
 #define UNKNOWN      (ISPH_MAX_DIM + 1)
 
@@ -337,6 +338,37 @@ static void SeeFront(const Particles *p, const PetscReal front[], PetscInt i, Pe
   seen->d = PetscMax(seen->d, 0.0);
 }
 
+/* Places an interface before particle i, if it sees none and another fluid is next to it: half way
+   to that fluid, across the mean direction to it. */
+static void SeeOther(const Particles *p, PetscInt i, PetscInt count, const PetscInt list[],
+                     const PetscReal x[], Seen *seen)
+{
+  const PetscInt own  = (PetscInt)p->fluid[i];
+  PetscReal      best = NEXT * p->dx[i], n[ISPH_MAX_DIM] = {0.0}, length = 0.0;
+
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt k = 0; k < count; k++) {
+      PetscReal height = 0.0;
+      Sight     sight;
+
+      Look(p, x, own, list[k], &sight);
+      if (ParticlesIsWall(p, list[k]) || (PetscInt)p->fluid[list[k]] == own ||
+          sight.r > NEXT * p->dx[i])
+        continue;
+      for (PetscInt a = 0; a < p->dim; a++) {
+        height -= n[a] * sight.X[a];
+        n[a] -= pass ? 0.0 : sight.X[a] / PetscSqr(sight.r);
+      }
+      if (pass) best = PetscMin(best, height);
+    }
+    for (PetscInt a = 0; !pass && a < p->dim; a++) length += PetscSqr(n[a]);
+    if (length == 0.0) return;
+    for (PetscInt a = 0; !pass && a < p->dim; a++) n[a] /= PetscSqrtReal(length);
+  }
+  seen->d = 0.5 * PetscMax(best, 0.0);
+  for (PetscInt a = 0; a < p->dim; a++) seen->n[a] = n[a];
+}
+
 /*
   InterfacesFollow - Renews the distances of moved particles from interfaces
 
@@ -373,6 +405,7 @@ PetscErrorCode InterfacesFollow(Particles *p, const Neighbors *nb)
       for (PetscInt a = 0; a < p->dim; a++) all[i].n[a] = p->interface_normal[a][i];
       if (front[i]) Restore(p, i, count, list, x, &all[i]);
       else SeeFront(p, front, i, count, list, x, &all[i]);
+      if (all[i].d == INTERFACE_REACH * p->dx[i]) SeeOther(p, i, count, list, x, &all[i]);
     }
     if (!pass) PetscCall(ParticlesHaloField(p, front));
   }

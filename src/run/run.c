@@ -5,6 +5,8 @@
 #include "isph/start.h"
 #include "impl.h"
 
+#define FIND_PASSES 10 /* after which given fluids have their interfaces */
+
 /*
   Registers the stages of a run for -log_view. Without a log all stages are the main stage, because
   PETSc gives each stage a record of 0.2 MB.
@@ -69,6 +71,8 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
         SceneGrowth(flow->scene) * flow->neighbors->radius / flow->neighbors->spacing;
   }
   PetscCall(StartCheck(flow->scene, path, flow->particles, flow->neighbors));
+  for (PetscInt pass = 0; pass < FIND_PASSES && start->nu; pass++)
+    PetscCall(InterfacesFollow(flow->particles, flow->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

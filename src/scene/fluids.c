@@ -31,14 +31,19 @@ PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])
   return 0;
 }
 
+/* SceneFluidViscosity - Returns the kinematic viscosity of a fluid by its number, at a place x at
+   the start [m^2/s]; not collective */
+PetscReal SceneFluidViscosity(const Scene *scene, PetscInt fluid, const PetscReal x[])
+{
+  if (fluid) return scene->region_nu[fluid - 1];
+  return scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
+}
+
 /* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s]; not
    collective */
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
 {
-  const PetscInt fluid = SceneFluidAt(scene, x);
-
-  if (fluid) return scene->region_nu[fluid - 1];
-  return scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
+  return SceneFluidViscosity(scene, SceneFluidAt(scene, x), x);
 }
 
 /* Returns true if x lies in the fluid at the start, or on its boundary or free surface. */

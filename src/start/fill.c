@@ -15,8 +15,26 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   }
 }
 
-/* Sets the fluid of each particle, and its distance from the interfaces of fluids. */
-static PetscErrorCode SetFluids(const Scene *scene, Particles *p)
+/* Returns the number of the fluid whose fluidity 1/nu is nearest: a mean over a cell, see
+   SceneViscosity(), is the mean of fluidities. */
+static PetscInt FluidOfViscosity(const Scene *scene, const PetscReal x[], PetscReal nu)
+{
+  PetscReal best  = PETSC_INFINITY;
+  PetscInt  fluid = 0;
+
+  for (PetscInt k = 0; k < SceneFluids(scene); k++) {
+    const PetscReal apart = PetscAbsReal(1.0 / SceneFluidViscosity(scene, k, x) - 1.0 / nu);
+
+    if (apart >= best) continue;
+    best  = apart;
+    fluid = k;
+  }
+  return fluid;
+}
+
+/* Sets the fluid of each particle, and its distance from the interfaces of fluids; with given
+   viscosities those tell the fluid, and InterfacesFollow() finds interfaces. */
+static PetscErrorCode SetFluids(const Scene *scene, const FluidStart *start, Particles *p)
 {
   InterfacePoints points;
 
@@ -27,6 +45,11 @@ static PetscErrorCode SetFluids(const Scene *scene, Particles *p)
     PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (start && start->nu) {
+      p->fluid[i]     = (PetscReal)FluidOfViscosity(scene, x, start->nu[i]);
+      p->interface[i] = INTERFACE_REACH * p->dx[i];
+      continue;
+    }
     p->fluid[i]     = (PetscReal)SceneFluidAt(scene, x);
     p->interface[i] = SceneInterface(scene, &points, x, INTERFACE_REACH * p->dx[i], normal);
     for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = normal[a];
@@ -113,7 +136,7 @@ PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const Flui
     PetscCall(LeaveBuriedWalls(scene, p));
   }
   SetViscosities(scene, start, p);
-  PetscCall(SetFluids(scene, p));
+  PetscCall(SetFluids(scene, start, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   p->weight_start = p->weight_resized = p->weight;
   PetscFunctionReturn(PETSC_SUCCESS);
