@@ -10,9 +10,10 @@
 
   with the shear rate c_i about the particle, c^2 = d (d + 2) <(e.(u_k - u_i)/r)^2>, which is
   sqrt(2 E:E) of a uniform strain and zero for rigid motions, the radius R of the support and the
-  sum W of w over a lattice. `rate` is -surface_volume_rate. E_ij is larger between particles whose
-  supports have no surface: their cells fluctuate, and no volume is lost there. See docs/theory.md,
-  (370) to (372).
+  sum W of w over a lattice. The difference of two velocities lies in the thinner of two fluids,
+  with the factor 2 nu_k/(nu_i + nu_k) in that of i, and so do sources. `rate` is
+  -surface_volume_rate. E_ij is larger between particles whose supports have no surface: their cells
+  fluctuate, and no volume is lost there. See docs/theory.md, (370) to (372).
 */
 #include "surface.h"
 
@@ -88,6 +89,13 @@ static PetscReal Weight(const Flow *flow, PetscInt i, PetscInt j, PetscReal X[],
   return PetscSqr(PetscMax(0.0, 1.0 - *r2 / PetscSqr(flow->ops->forms.radius)));
 }
 
+/* Returns the strain rate in the half of particle i of the line to particle j, over its mean: both
+   halves have the same stress. A stiff part takes and gives no volume. */
+static PetscReal OwnStrain(const Particles *p, PetscInt i, PetscInt j)
+{
+  return p->nu ? 2.0 * p->nu[j] / (p->nu[i] + p->nu[j]) : 1.0;
+}
+
 /* Returns the sum W of w over a lattice with the spacing dx [-]. */
 static PetscReal LatticeWeight(const Flow *flow)
 {
@@ -113,7 +121,7 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
 
     if (w == 0.0 || r2 < PetscSqr(0.1 * p->dx[i])) continue;
     for (PetscInt a = 0; a < d; a++) along += X[a] * (u[j * d + a] - u[i * d + a]);
-    sum += w * PetscSqr(along / r2);
+    sum += w * PetscSqr(OwnStrain(p, i, j) * along / r2);
     weights += w;
   }
   return weights > 0.0 ? PetscSqrtReal(d * (d + 2.0) * sum / weights) : 0.0;
@@ -162,7 +170,7 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
 
     if (ParticlesIsWall(p, j)) continue;
     w = Weight(flow, i, j, X, &r2);
-    if (!FreeSurfaceHolds(free, j)) *inside += p->volume[j] * w;
+    if (!FreeSurfaceHolds(free, j)) *inside += p->volume[j] * w * OwnStrain(p, j, i);
     if (v->shear[j] == 0.0) continue;
     rate = 0.5 * (v->shear[i] + v->shear[j]);
     rate *= v->below[i] * v->below[j] > 0.0 ? BELOW : EXCHANGE;
@@ -208,7 +216,7 @@ static PetscReal DivergenceSource(const Flow *flow, const Values *v, PetscInt j)
     PetscReal      X[ISPH_MAX_DIM], r2;
 
     if (!ParticlesIsWall(p, i) && v->share[i] != 0.0)
-      source -= v->share[i] * Weight(flow, j, i, X, &r2);
+      source -= v->share[i] * Weight(flow, j, i, X, &r2) * OwnStrain(p, j, i);
   }
   return source;
 }
