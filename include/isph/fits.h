@@ -163,6 +163,8 @@ void           DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscRea
 #define POINT_FITS      8 /* most fits at once, 2^dim */
 void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[], const PetscReal W[],
                PetscReal w[], PetscBool fits[]);
+PetscBool PointFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                   const PetscReal W[], PetscInt wanted, PetscBool ridge, PetscReal *const w[]);
 PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
                     const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
                     PetscReal *const w[]);

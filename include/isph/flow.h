@@ -82,6 +82,14 @@ typedef struct {
   PetscReal energy;                 /* [J] (per metre of depth in 2D) */
 } Graded;
 
+/* Weights of fits at points in the order in which a monitor asks for them, which fixed particles do
+   not change; see src/measures/probe.c. */
+typedef struct {
+  PetscBool  on;              /* the monitor asks */
+  PetscInt   at, n, capacity; /* next number, numbers, room for them */
+  PetscReal *number;          /* for each fit its key and size, neighbours and weights */
+} KeptFits;
+
 /* Volume that enters and leaves through openings; see src/motion/openings.c. */
 typedef struct {
   PetscBool  open;                  /* particles can enter or leave */
@@ -111,6 +119,7 @@ typedef struct {
   PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
   Graded          graded;             /* zero unless particles move and are graded */
   Openings        openings;
+  KeptFits        kept_fits;
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */

@@ -3,7 +3,8 @@
 
     f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0
 
-  and the same fit of a vector, of which some neighbours give the normal component only.
+  its derivatives c_a/R, and the same fit of a vector, of which some neighbours give the normal
+  component only.
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
@@ -119,6 +120,102 @@ ISPH_WIDE void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *c
   }
 }
 
+/* Adds the products of the basis times a weight. */
+static ISPH_INLINE void AddMoments(PetscInt terms, Four weight, const Four phi[], Four moments[])
+{
+  PetscInt e = 0;
+
+  for (PetscInt t = 0; t < terms; t++) {
+    const Four weighted = weight * phi[t];
+
+    for (PetscInt q = 0; q <= t; q++) moments[e++] += weighted * phi[q];
+  }
+}
+
+/* Solves M c = e_t for a moment matrix M and its factor. Refines c: M may be ill conditioned. */
+static void RefinedColumn(PetscInt terms, PetscInt t, const PetscReal moments[],
+                          const PetscReal factor[], PetscReal c[])
+{
+  for (PetscInt q = 0; q < terms; q++) c[q] = q == t ? 1.0 : 0.0;
+  DenseCholeskySolve(terms, factor, c);
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    PetscReal residual[POINT_FIT_TERMS] = {0.0};
+
+    residual[t] = 1.0;
+    for (PetscInt r = 0; r < terms; r++) {
+      for (PetscInt q = 0; q < terms; q++) residual[r] -= moments[r * terms + q] * c[q];
+    }
+    DenseCholeskySolve(terms, factor, residual);
+    for (PetscInt q = 0; q < terms; q++) c[q] += residual[q];
+  }
+}
+
+/* Computes the fit, see PointFit(). Inlined, so that the compiler knows the number of terms. */
+static ISPH_INLINE PetscBool PointFitInline(PetscInt dim, PetscInt degree, PetscInt n,
+                                            PetscReal *const s[], const PetscReal W[],
+                                            PetscInt wanted, PetscBool ridge, PetscReal *const w[])
+{
+  const PetscInt terms = 1 + MlsTerms(dim, degree);
+  Four           phi[POINT_FIT_TERMS], sums[POINT_FIT_TERMS * (POINT_FIT_TERMS + 1) / 2];
+  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS], c[1 + ISPH_MAX_DIM][POINT_FIT_TERMS];
+  PetscReal      factor[POINT_FIT_TERMS * POINT_FIT_TERMS];
+
+  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) sums[e] = (Four){0.0};
+  for (PetscInt k = 0; k < n; k += 4) {
+    FourBases(dim, degree, s, k, phi);
+    AddMoments(terms, *FourAt(&W[k]), phi, sums);
+  }
+  for (PetscInt t = 0, e = 0; t < terms; t++)
+    for (PetscInt q = 0; q <= t; q++)
+      moments[t * terms + q] = moments[q * terms + t] = FourSum(&sums[e++]);
+  for (PetscInt e = 0; e < terms * terms; e++) factor[e] = moments[e];
+  if (DenseCholesky(terms, factor)) {
+    if (!ridge) return PETSC_FALSE;
+    DenseCholeskyRidge(terms, moments, 1e-10, factor);
+  }
+  for (PetscInt t = 0; t < wanted; t++) RefinedColumn(terms, t, moments, factor, c[t]);
+  for (PetscInt k = 0; k < n; k += 4) {
+    FourBases(dim, degree, s, k, phi);
+    for (PetscInt t = 0; t < wanted; t++) {
+      Four sum = {0.0};
+
+      for (PetscInt q = 0; q < terms; q++) sum += phi[q] * c[t][q];
+      *(Four *)&w[t][k] = *FourAt(&W[k]) * sum;
+    }
+  }
+  return PETSC_TRUE;
+}
+
+/*
+  PointFit - Computes the weights of f and of R df/dx_a at a point, f = sum_k w[0]_k f_k and
+  R df/dx_a = sum_k w[1 + a]_k f_k
+
+  Not collective.
+
+  Input Parameters:
++ n      - number of neighbours, a multiple of 4; those of the weight zero fill it up
+. s      - their offsets (x_k - x)/R, at most 1 in length [-]
+. W      - their weights in the fit [-]
+. wanted - number of rows of w
+- ridge  - flag: a multiple of the unit matrix is added where they do not determine the fit
+
+  Output Parameter:
+. w - n weights each
+
+  Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no weights
+
+  Properties: exact for polynomials of the degree.
+*/
+ISPH_WIDE PetscBool PointFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                             const PetscReal W[], PetscInt wanted, PetscBool ridge,
+                             PetscReal *const w[])
+{
+  if (dim == 2 && degree == 2) return PointFitInline(2, 2, n, s, W, wanted, ridge, w);
+  if (dim == 2) return PointFitInline(2, 3, n, s, W, wanted, ridge, w);
+  return degree == 2 ? PointFitInline(3, 2, n, s, W, wanted, ridge, w)
+                     : PointFitInline(3, 3, n, s, W, wanted, ridge, w);
+}
+
 /* Neighbours of a fit of a vector, in fours. */
 typedef struct {
   PetscInt          n;
@@ -148,18 +245,6 @@ static ISPH_INLINE PetscBool WallFlags(const VectorPoints *points, PetscInt k, F
     any        = any || points->wall[k + l] ? PETSC_TRUE : PETSC_FALSE;
   }
   return any;
-}
-
-/* Adds the products of the basis times a weight. */
-static ISPH_INLINE void AddMoments(PetscInt terms, Four weight, const Four phi[], Four moments[])
-{
-  PetscInt e = 0;
-
-  for (PetscInt t = 0; t < terms; t++) {
-    const Four weighted = weight * phi[t];
-
-    for (PetscInt q = 0; q <= t; q++) moments[e++] += weighted * phi[q];
-  }
 }
 
 /* Computes the moments of the fit of a vector. */

@@ -43,6 +43,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->u_next[a]));
   }
   for (PetscInt k = 0; k < s->n_standing; k++) PetscCall(VecDestroy(s->standing[k].vec));
+  PetscCall(PetscFree(s->kept_fits.number));
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   PetscCall(VecDestroy(&s->source));

@@ -441,8 +441,11 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 *
 static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
 {
   const Scene *scene = flow->scene;
+  KeptFits    *kept  = &flow->state->kept_fits;
 
   PetscFunctionBegin;
+  kept->on = SceneMoves(scene) ? PETSC_FALSE : PETSC_TRUE;
+  kept->at = 0;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
     PetscReal force[2][2 * ISPH_MAX_DIM];
     char      name[WALL_NAME];
@@ -462,6 +465,7 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
     }
     (void)fprintf(monitor->stream, "\n");
   }
+  kept->on = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

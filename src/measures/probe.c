@@ -11,9 +11,10 @@
 */
 #include "monitors.h"
 
-#define PROBE_MAX_TERMS 20  /* of a cubic fit in 3D */
-#define WET             1.3 /* distance of the nearest particle from which on a point is dry [dx] */
-#define ON_SURFACE      0.01 /* height above a free surface up to which a point is on it [dx] */
+#define WET        1.3 /* distance of the nearest particle from which on a point is dry [dx] */
+#define KEY        (4 + ISPH_MAX_DIM) /* numbers that tell fits apart */
+#define KEPT_MOST  (1 << 24)          /* numbers of kept fits on a rank, 128 MiB */
+#define ON_SURFACE 0.01 /* height above a free surface up to which a point is on it [dx] */
 
 /* Data shared by the fits of all points. */
 typedef struct {
@@ -24,47 +25,14 @@ typedef struct {
   PetscInt    degree; /* of the fits, 2 or 3 */
   PetscReal   reach;  /* distance from own points within which this rank has all particles [m] */
   PetscInt   *list;   /* neighbours of the present point */
-  PetscReal  *w;      /* their weights in the value, then in its derivatives [-], [1/m] */
+  PetscReal  *s[ISPH_MAX_DIM], *W; /* their offsets over the radius and kernels [-], [m^-dim] */
+  PetscReal  *w[1 + ISPH_MAX_DIM]; /* weights in the value and its derivatives [-], [1/m] */
 } Probe;
-
-/* Computes the basis 1, X_a/R, X_a X_b/R^2, of degree 3 also X_a X_b X_c/R^3; returns the number of
-   terms. */
-static PetscInt ProbeBasis(PetscInt dim, PetscInt degree, const PetscReal s[], PetscReal phi[])
-{
-  PetscInt t = 0;
-
-  phi[t++] = 1.0;
-  for (PetscInt a = 0; a < dim; a++) phi[t++] = s[a];
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
-  }
-  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++)
-      for (PetscInt c = 0; c <= b; c++) phi[t++] = s[a] * s[b] * s[c];
-  }
-  return t;
-}
 
 /* The support about a point: its radius along stretched axes, see SceneStretch(). */
 typedef struct {
   PetscReal R, stretch[ISPH_MAX_DIM], least; /* [m], [-], the least of them */
 } ProbeBall;
-
-/* Computes the offset (x_j - x)/R of particle j; returns the kernel stretched to the radius R. */
-static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[],
-                             const ProbeBall *ball, PetscReal s[])
-{
-  const Operators *ops = probe->flow->ops;
-  const Particles *p   = probe->flow->particles;
-  PetscReal        r2  = 0.0, w[3];
-
-  for (PetscInt a = 0; a < p->dim; a++) {
-    s[a] = ball->stretch[a] * (p->x[a][j] - x[a]) / ball->R;
-    r2 += PetscSqr(s[a]);
-  }
-  KernelEvaluate(ops->forms.kernel, p->dim, ops->forms.h, PetscSqrtReal(r2) * ops->forms.radius, w);
-  return w[0];
-}
 
 /* Returns the support for the spacing of the scene at x. */
 static ProbeBall ProbeSupport(const Probe *probe, const PetscReal x[])
@@ -94,124 +62,121 @@ static PetscBool ProbeHas(const Probe *probe, PetscInt j, PetscInt field)
              : PETSC_FALSE;
 }
 
-/* Finds the neighbours of a point that enter the fit of a field. */
+/* Finds the neighbours of a point that enter the fit of a field, their offsets over the radius and
+   kernels, which are zero up to a multiple of 4. */
 static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], const ProbeBall *ball,
                                 PetscInt field, PetscInt *n)
 {
-  PetscInt found;
+  const Operators *ops = probe->flow->ops;
+  const Particles *p   = probe->flow->particles;
+  PetscInt         found;
 
   PetscFunctionBegin;
   PetscCall(
       CellsFind(&probe->cells, x, ball->R / ball->least, probe->cells.n, probe->list, &found));
   *n = 0;
   for (PetscInt k = 0; k < found; k++) {
-    const PetscInt j = probe->list[k];
-    PetscReal      s[ISPH_MAX_DIM];
+    const PetscInt j  = probe->list[k];
+    PetscReal      r2 = 0.0;
 
-    if (ball->least != 1.0 && ProbeOffset(probe, j, x, ball, s) == 0.0) continue;
-    if (ProbeHas(probe, j, field)) probe->list[(*n)++] = j;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      probe->s[a][*n] = ball->stretch[a] * (p->x[a][j] - x[a]) / ball->R;
+      r2 += PetscSqr(probe->s[a][*n]);
+    }
+    if (r2 >= 1.0 || !ProbeHas(probe, j, field)) continue;
+    probe->w[0][*n]     = PetscSqrtReal(r2) * ops->forms.radius;
+    probe->list[(*n)++] = j;
+  }
+  KernelEvaluateAll(ops->forms.kernel, p->dim, ops->forms.h, *n, probe->w[0], probe->W, probe->w[1],
+                    probe->w[2]);
+  for (PetscInt k = *n; k < LanesPadded(*n); k++) {
+    probe->W[k] = 0.0;
+    for (PetscInt a = 0; a < p->dim; a++) probe->s[a][k] = 0.0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the moment matrix sum_k W_k phi_k phi_k^T over n neighbours k, with the kernel W_k and
-   the basis phi_k of ProbeBasis(); returns its size. */
-static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], const ProbeBall *ball,
-                             PetscInt n, PetscReal moments[])
+/* Finds the weights of the next fit that a monitor of fixed particles asked for before; returns
+   false if it is another one, and forgets it and all after it. */
+static PetscBool TakeKept(Probe *probe, const PetscReal key[], PetscInt wanted, PetscInt *n)
 {
-  const PetscInt dim = probe->flow->particles->dim, quadratic = 1 + dim + dim * (dim + 1) / 2;
-  const PetscInt terms = probe->degree < 3 ? quadratic : quadratic * (dim + 3) / 3;
+  KeptFits  *kept = &probe->flow->state->kept_fits;
+  PetscReal *next = kept->number + kept->at;
+  PetscBool  same = kept->at < kept->n ? PETSC_TRUE : PETSC_FALSE;
 
-  for (PetscInt t = 0; t < terms * terms; t++) moments[t] = 0.0;
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
-    const PetscReal W = ProbeOffset(probe, probe->list[k], x, ball, s);
-
-    (void)ProbeBasis(dim, probe->degree, s, phi);
-    for (PetscInt t = 0; t < terms; t++) {
-      for (PetscInt q = 0; q < terms; q++) moments[t * terms + q] += W * phi[t] * phi[q];
-    }
+  for (PetscInt q = 0; q < KEY && same; q++) same = next[q] == key[q] ? PETSC_TRUE : PETSC_FALSE;
+  if (!same) {
+    kept->n = PetscMin(kept->n, kept->at);
+    return PETSC_FALSE;
   }
-  return terms;
+  *n = (PetscInt)next[KEY];
+  next += KEY + 1;
+  for (PetscInt k = 0; k < *n; k++) probe->list[k] = (PetscInt)next[k];
+  for (PetscInt t = 0; t < wanted; t++)
+    for (PetscInt k = 0; k < *n; k++) probe->w[t][k] = next[(1 + t) * *n + k];
+  kept->at += KEY + 1 + (1 + wanted) * *n;
+  return PETSC_TRUE;
+}
+
+/* Keeps the weights of a fit behind those before it, as long as there is room. */
+static PetscErrorCode Keep(const Probe *probe, const PetscReal key[], PetscInt wanted, PetscInt n)
+{
+  KeptFits      *kept = &probe->flow->state->kept_fits;
+  const PetscInt size = KEY + 1 + (1 + wanted) * n;
+  PetscReal     *next;
+
+  PetscFunctionBegin;
+  if (kept->at != kept->n || kept->n + size > KEPT_MOST) PetscFunctionReturn(PETSC_SUCCESS);
+  if (kept->n + size > kept->capacity) {
+    kept->capacity = 2 * (kept->n + size);
+    PetscCall(PetscRealloc(kept->capacity * sizeof(PetscReal), &kept->number));
+  }
+  next = kept->number + kept->n;
+  PetscCall(PetscArraycpy(next, key, KEY));
+  next[KEY] = (PetscReal)n;
+  next += KEY + 1;
+  for (PetscInt k = 0; k < n; k++) next[k] = (PetscReal)probe->list[k];
+  for (PetscInt t = 0; t < wanted; t++)
+    PetscCall(PetscArraycpy(next + (1 + t) * n, probe->w[t], n));
+  kept->at = kept->n += size;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Computes and factors the moment matrix of the fit at x. The support grows, up to the reach of the
-  halo, while it holds too few particles, for example in a corner; then a cubic fit becomes a
-  quadratic one.
+  Computes the weights of the value of a field at x and, if `wanted` is 1 + dim, of its derivatives.
+  The support grows, up to the reach of the halo, while it holds too few particles, for example in a
+  corner; then a cubic fit becomes a quadratic one.
 */
-static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n,
-                               ProbeBall *ball, PetscInt *terms, PetscReal moments[],
-                               PetscReal factor[])
-{
-  PetscFunctionBegin;
-  *ball = ProbeSupport(probe, x);
-  while (PETSC_TRUE) {
-    PetscCall(ProbeFind(probe, x, ball, field, n));
-    *terms = ProbeMoments(probe, x, ball, *n, moments);
-    PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
-    if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
-    if (ball->R >= probe->reach * ball->least && probe->degree > 2) {
-      probe->degree = 2;
-      *ball         = ProbeSupport(probe, x);
-      continue;
-    }
-    if (ball->R >= probe->reach * ball->least) {
-      DenseCholeskyRidge(*terms, moments, 1e-10, factor);
-      break;
-    }
-    ball->R = PetscMin(1.15 * ball->R, probe->reach * ball->least);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Solves M c = e_t for a moment matrix M and its factor. Refines c: M may be ill conditioned. */
-static void ProbeColumn(PetscInt terms, PetscInt t, const PetscReal moments[],
-                        const PetscReal factor[], PetscReal c[])
-{
-  for (PetscInt q = 0; q < terms; q++) c[q] = 0.0;
-  for (PetscInt pass = 0; pass < 3; pass++) {
-    PetscReal residual[PROBE_MAX_TERMS] = {0.0};
-
-    residual[t] = 1.0;
-    for (PetscInt r = 0; r < terms; r++) {
-      for (PetscInt q = 0; q < terms; q++) residual[r] -= moments[r * terms + q] * c[q];
-    }
-    DenseCholeskySolve(terms, factor, residual);
-    for (PetscInt q = 0; q < terms; q++) c[q] += residual[q];
-  }
-}
-
-/* Computes the weights w_k = W_k phi_k . M^-1 e_t of the coefficient t of the fit at x, from 0 to
-   wanted - 1, with the kernel W_k, the basis phi_k and the moment matrix M: of f(x) and of its
-   derivatives. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt field,
                                    PetscInt wanted, PetscInt *n)
 {
-  const PetscInt dim = probe->flow->particles->dim, degree = probe->degree;
-  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
-  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
-  PetscReal      c[1 + ISPH_MAX_DIM][PROBE_MAX_TERMS];
-  ProbeBall      ball;
-  PetscInt       terms = 0;
+  const PetscInt  dim = probe->flow->particles->dim, quadratic = (dim + 1) * (dim + 2) / 2;
+  PetscInt        degree   = probe->degree;
+  ProbeBall       ball     = ProbeSupport(probe, x);
+  PetscReal       key[KEY] = {(PetscReal)field, (PetscReal)wanted, (PetscReal)degree,
+                              (PetscReal)probe->flow->particles->epoch};
+  const PetscBool keeps    = probe->flow->state->kept_fits.on;
 
   PetscFunctionBegin;
-  PetscCall(ProbeFit(probe, x, field, n, &ball, &terms, moments, factor));
-  for (PetscInt t = 0; t < wanted; t++) ProbeColumn(terms, t, moments, factor, c[t]);
-  for (PetscInt k = 0; k < *n; k++) {
-    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
-    const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
+  for (PetscInt a = 0; a < dim; a++) key[KEY - ISPH_MAX_DIM + a] = x[a];
+  if (keeps && TakeKept(probe, key, wanted, n)) PetscFunctionReturn(PETSC_SUCCESS);
+  while (PETSC_TRUE) {
+    const PetscInt  terms = degree < 3 ? quadratic : quadratic * (dim + 3) / 3;
+    const PetscBool ends  = ball.R >= probe->reach * ball.least ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool last  = ends && degree == 2 ? PETSC_TRUE : PETSC_FALSE;
 
-    (void)ProbeBasis(dim, probe->degree, s, phi);
-    for (PetscInt t = 0; t < wanted; t++) {
-      const PetscReal per_length = t > 0 ? ball.stretch[t - 1] / ball.R : 1.0;
-      PetscReal       sum        = 0.0;
-
-      for (PetscInt q = 0; q < terms; q++) sum += phi[q] * c[t][q];
-      probe->w[t * probe->cells.n + k] = W * sum * per_length;
-    }
+    PetscCall(ProbeFind(probe, x, &ball, field, n));
+    if ((last || *n >= 2 * terms) &&
+        PointFit(dim, degree, LanesPadded(*n), probe->s, probe->W, wanted, last, probe->w))
+      break;
+    if (ends) {
+      degree = 2;
+      ball   = ProbeSupport(probe, x);
+    } else ball.R = PetscMin(1.15 * ball.R, probe->reach * ball.least);
   }
-  probe->degree = degree;
+  for (PetscInt t = 1; t < wanted; t++)
+    for (PetscInt k = 0; k < *n; k++) probe->w[t][k] *= ball.stretch[t - 1] / ball.R;
+  if (keeps) PetscCall(Keep(probe, key, wanted, *n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,6 +184,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt f
 static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *probe)
 {
   const Particles *p = flow->particles;
+  PetscInt         room;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(probe, sizeof(*probe)));
@@ -227,7 +193,11 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
   /* Within an epoch a particle moves by less than half a skin. */
   probe->reach = PetscMax(flow->ops->forms.radius, p->halo_width + 0.5 * p->skin);
   PetscCall(CellsBuild(p, 0.5 * flow->ops->forms.radius, &probe->cells));
-  PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n * (1 + p->dim), &probe->w));
+  room = LanesPadded(probe->cells.n);
+  PetscCall(PetscMalloc2(probe->cells.n, &probe->list, 2 * (1 + ISPH_MAX_DIM) * room, &probe->W));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) probe->s[a] = probe->W + (1 + a) * room;
+  for (PetscInt t = 0; t <= ISPH_MAX_DIM; t++)
+    probe->w[t] = probe->W + (1 + ISPH_MAX_DIM + t) * room;
   for (PetscInt c = 0; c < p->dim; c++) probe->field[probe->n_fields++] = p->u[c];
   if (pressure) probe->field[probe->n_fields++] = p->p;
   for (PetscInt f = 0; f < probe->n_fields; f++) PetscCall(ParticlesHaloField(p, probe->field[f]));
@@ -237,7 +207,7 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
 static PetscErrorCode ProbeEnd(Probe *probe)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree2(probe->list, probe->w));
+  PetscCall(PetscFree2(probe->list, probe->W));
   PetscCall(CellsFree(&probe->cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -325,7 +295,7 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
 
     if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, 1, &n));
     values[f] = 0.0;
-    for (PetscInt k = 0; k < n; k++) values[f] += probe->w[k] * probe->field[f][probe->list[k]];
+    for (PetscInt k = 0; k < n; k++) values[f] += probe->w[0][k] * probe->field[f][probe->list[k]];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -395,15 +365,14 @@ static PetscErrorCode ProbeEvaluateMotion(Probe *probe, const PetscReal x[],
     for (PetscInt t = 0; t <= dim; t++) {
       PetscReal *value = &values[t == 0 ? c : dim + c * dim + t - 1];
 
-      for (PetscInt k = 0; k < n; k++)
-        *value += probe->w[t * probe->cells.n + k] * p->u[c][probe->list[k]];
+      for (PetscInt k = 0; k < n; k++) *value += probe->w[t][k] * p->u[c][probe->list[k]];
     }
   }
   for (PetscInt k = 0; k < n && !walls; k++) walls = ParticlesIsWall(p, probe->list[k]);
   if (walls) PetscCall(ProbeWeights(probe, x, dim, 1, &n));
   for (PetscInt k = 0; k < n; k++) {
-    for (PetscInt c = 0; c < dim; c++) last[c] += probe->w[k] * rate[c][probe->list[k]];
-    if (probe->n_fields > dim) last[dim] += probe->w[k] * p->p[probe->list[k]];
+    for (PetscInt c = 0; c < dim; c++) last[c] += probe->w[0][k] * rate[c][probe->list[k]];
+    if (probe->n_fields > dim) last[dim] += probe->w[0][k] * p->p[probe->list[k]];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
