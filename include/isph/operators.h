@@ -51,18 +51,28 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
 
 #define STRAIN_MOST (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2) /* components of a symmetric tensor */
 
-/* The stresses of a rheology in Newton's iteration, see src/operators/tangent.c; arrays of own
-   fluid particles, tensors by their components a <= c. */
+/* The linear stress of a rheology at a point, in Newton's iteration: see src/operators/tangent.c.
+   Tensors by their components a <= c. */
+typedef struct {
+  PetscReal nu;                  /* nu_k [m^2/s] */
+  PetscReal strain[STRAIN_MOST]; /* S_k [1/s] */
+  PetscReal slope;               /* theta_k nu'(g_k)/g_k [m^2 s] */
+} StressPoint;
+void      StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], StressPoint *point,
+                       PetscReal sum[2]);
+PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], PetscReal share,
+                     const StressPoint *point);
+PetscReal StressChange(PetscInt dim, const PetscReal dS[], const StressPoint *point);
+
+/* The stresses at all points of this rank. */
 typedef struct {
   const Scene *scene;
   Particles   *p;
   Operators   *ops;
-  PetscReal   *nu;     /* nu_k [m^2/s] */
-  PetscReal   *strain; /* S_k [1/s] */
-  PetscReal   *slope;  /* theta_k nu'(g_k)/g_k [m^2 s] */
+  PetscInt     n; /* points: the cells of a weak form, or own fluid particles */
+  StressPoint *point;
   PetscReal   *u;      /* u_k by local index, components of a particle together [m/s] */
   PetscReal   *change; /* dnu by local index [m^2/s] */
-  PetscBool    picard; /* theta = 0 */
   PetscReal    error;  /* of the last TangentFollow(): |s - tau(u)| over |tau(u)| [-] */
   PetscReal    stress; /* |tau(u)|, root mean square of (tau:tau/2)^1/2 [m^2/s^2] */
 } StressTangent;

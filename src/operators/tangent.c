@@ -119,7 +119,6 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
 PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
                              StressTangent **tangent)
 {
-  const PetscInt n = p->n_fluid, parts = p->dim * (p->dim + 1) / 2;
   StressTangent *t;
 
   PetscFunctionBegin;
@@ -127,9 +126,10 @@ PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
   t->scene = scene;
   t->p     = p;
   t->ops   = ops;
-  PetscCall(PetscMalloc2(n, &t->nu, ParticlesAll(p) * p->dim, &t->u));
-  PetscCall(PetscCalloc3(n, &t->slope, n * parts, &t->strain, ParticlesAll(p), &t->change));
-  PetscCall(PetscArraycpy(t->nu, p->nu, n));
+  t->n     = ops->strain ? ops->strain->n : p->n_fluid;
+  PetscCall(PetscCalloc3(t->n, &t->point, ParticlesAll(p) * p->dim, &t->u,
+                         PetscMax(t->n, ParticlesAll(p)), &t->change));
+  for (PetscInt i = 0; i < t->n; i++) t->point[i].nu = ops->strain ? ops->strain->nu[i] : p->nu[i];
   *tangent = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -139,51 +139,81 @@ PetscErrorCode TangentDestroy(StressTangent **tangent)
 {
   PetscFunctionBegin;
   if (!*tangent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree2((*tangent)->nu, (*tangent)->u));
-  PetscCall(PetscFree3((*tangent)->slope, (*tangent)->strain, (*tangent)->change));
+  PetscCall(PetscFree3((*tangent)->point, (*tangent)->u, (*tangent)->change));
   PetscCall(PetscFree(*tangent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Linearises the stress of particle i about S, and adds |s - tau(S)|^2/2 and |tau(S)|^2/2 to sum;
-   s: stress at S of the linearisation before. */
-static void Linearise(const StressTangent *t, PetscInt i, const PetscReal S[], PetscReal sum[2])
+/* Returns the place of the component (a, b) of a symmetric tensor. */
+static PetscInt Component(PetscInt a, PetscInt b)
 {
-  const PetscInt  dim = t->p->dim, parts = dim * (dim + 1) / 2;
-  const PetscReal square = HalfProduct(dim, S, S), rate = PetscSqrtReal(square);
-  const PetscReal nu  = RheologyViscosity(&t->scene->rheology, rate);
-  PetscReal      *old = &t->strain[i * parts], error[STRAIN_MOST], theta = 1.0;
-  const PetscReal d = t->slope[i] * (HalfProduct(dim, old, S) - HalfProduct(dim, old, old));
+  const PetscInt c = PetscMax(a, b);
 
-  for (PetscInt e = 0; e < parts; e++) error[e] = t->nu[i] * S[e] + d * old[e] - nu * S[e];
-  sum[0] += HalfProduct(dim, error, error);
-  sum[1] += PetscSqr(nu) * square;
-  t->slope[i] = rate > 0.0 ? RheologySlope(&t->scene->rheology, rate) / rate : 0.0;
-  if (t->slope[i] < 0.0) theta = 1.0 + HalfProduct(dim, error, S) / (nu * square);
-  t->slope[i] *= t->picard ? 0.0 : PetscMin(PetscMax(theta, 0.0), 1.0);
-  t->nu[i] = nu;
-  PetscCallVoid(PetscArraycpy(old, S, parts));
+  return c * (c + 1) / 2 + PetscMin(a, b);
 }
 
-/* Returns the sum over own particles of the work (tau - s):(S - S_k)/2, with the stress tau at
-   S_k + share (S - S_k) and the stress s that the solve for S has balanced. */
-static PetscReal WorkOfErrors(const StressTangent *t, const PetscReal S[], PetscReal share)
+/* Computes S at the points: the cells of a weak form, or the particles. Input: as Strain(). */
+static PetscErrorCode StrainAtPoints(const StressTangent *t, const Vec u[], const Vec walls[],
+                                     PetscReal S[])
 {
   const PetscInt dim = t->p->dim, parts = dim * (dim + 1) / 2;
-  PetscReal      work = 0.0;
+  StrainCells   *cells = t->ops->strain;
 
-  for (PetscInt i = 0; i < t->p->n_fluid; i++) {
-    const PetscReal *old = &t->strain[i * parts], *S_i = &S[i * parts];
-    PetscReal        change[STRAIN_MOST], at[STRAIN_MOST], error[STRAIN_MOST], d, nu;
-
-    for (PetscInt e = 0; e < parts; e++) change[e] = S_i[e] - old[e];
-    for (PetscInt e = 0; e < parts; e++) at[e] = old[e] + share * change[e];
-    d  = t->slope[i] * HalfProduct(dim, old, change);
-    nu = RheologyViscosity(&t->scene->rheology, PetscSqrtReal(HalfProduct(dim, at, at)));
-    for (PetscInt e = 0; e < parts; e++) error[e] = nu * at[e] - t->nu[i] * S_i[e] - d * old[e];
-    work += HalfProduct(dim, error, change);
+  PetscFunctionBegin;
+  if (!cells) {
+    PetscCall(Strain(t->ops, t->p, u, walls, S));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  return work;
+  PetscCall(StrainOfVelocity(t->p, u, walls, cells));
+  for (PetscInt c = 0; c < t->n; c++)
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b <= a; b++)
+        S[c * parts + Component(a, b)] = 2.0 * cells->strain[(c * dim + a) * dim + b];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StressFollow - Linearises the stress of a point about S, and adds |s - tau(S)|^2/2 and
+   |tau(S)|^2/2 to sum, s: stress at S of the linearisation before; not collective */
+void StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], StressPoint *at,
+                  PetscReal sum[2])
+{
+  const PetscInt  parts  = dim * (dim + 1) / 2;
+  const PetscReal square = HalfProduct(dim, S, S), rate = PetscSqrtReal(square);
+  const PetscReal nu = RheologyViscosity(law, rate), *old = at->strain;
+  const PetscReal d = at->slope * (HalfProduct(dim, old, S) - HalfProduct(dim, old, old));
+  PetscReal       error[STRAIN_MOST], theta = 1.0;
+
+  for (PetscInt e = 0; e < parts; e++) error[e] = at->nu * S[e] + d * old[e] - nu * S[e];
+  sum[0] += HalfProduct(dim, error, error);
+  sum[1] += PetscSqr(nu) * square;
+  at->slope = rate > 0.0 ? RheologySlope(law, rate) / rate : 0.0;
+  if (at->slope < 0.0) theta = 1.0 + HalfProduct(dim, error, S) / (nu * square);
+  at->slope *= PetscMin(PetscMax(theta, 0.0), 1.0);
+  at->nu = nu;
+  for (PetscInt e = 0; e < parts; e++) at->strain[e] = S[e];
+}
+
+/* StressWork - Returns the work (tau - s):(S - S_k)/2 at a point, with the stress tau at S_k +
+   share (S - S_k) and the stress s that the solve for S has balanced; not collective */
+PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], PetscReal share,
+                     const StressPoint *point)
+{
+  const PetscInt   parts = dim * (dim + 1) / 2;
+  const PetscReal *old   = point->strain;
+  PetscReal        change[STRAIN_MOST], at[STRAIN_MOST], error[STRAIN_MOST], d, nu;
+
+  for (PetscInt e = 0; e < parts; e++) change[e] = S[e] - old[e];
+  for (PetscInt e = 0; e < parts; e++) at[e] = old[e] + share * change[e];
+  d  = point->slope * HalfProduct(dim, old, change);
+  nu = RheologyViscosity(law, PetscSqrtReal(HalfProduct(dim, at, at)));
+  for (PetscInt e = 0; e < parts; e++) error[e] = nu * at[e] - point->nu * S[e] - d * old[e];
+  return HalfProduct(dim, error, change);
+}
+
+/* StressChange - Returns dnu = theta nu'(g)/g S_k:dS/2 at a point [m^2/s]; not collective */
+PetscReal StressChange(PetscInt dim, const PetscReal dS[], const StressPoint *point)
+{
+  return point->slope * HalfProduct(dim, point->strain, dS);
 }
 
 /*
@@ -199,14 +229,19 @@ static PetscReal WorkOfErrors(const StressTangent *t, const PetscReal S[], Petsc
 PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallValues *walls,
                             PetscReal *share)
 {
-  PetscReal *S, work[2];
+  const Rheology *law = &t->scene->rheology;
+  const PetscInt  dim = t->p->dim, parts = dim * (dim + 1) / 2;
+  PetscReal      *S, work[2];
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(t->p->n_fluid * t->p->dim * (t->p->dim + 1) / 2, &S));
-  PetscCall(Strain(t->ops, t->p, u, walls->u, S));
+  PetscCall(PetscMalloc1(t->n * parts, &S));
+  PetscCall(StrainAtPoints(t, u, walls->u, S));
   for (*share = 1.0; *share > SHARE_LEAST; *share *= 0.5) {
-    work[0] = WorkOfErrors(t, S, 0.0);
-    work[1] = WorkOfErrors(t, S, *share);
+    work[0] = work[1] = 0.0;
+    for (PetscInt i = 0; i < t->n; i++) {
+      work[0] += StressWork(law, dim, &S[i * parts], 0.0, &t->point[i]);
+      work[1] += StressWork(law, dim, &S[i * parts], *share, &t->point[i]);
+    }
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, work, 2, MPIU_REAL, MPIU_SUM, t->p->comm));
     if (work[1] <= OVERSHOOT * PetscAbsReal(work[0])) break;
   }
@@ -225,20 +260,23 @@ PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *
 {
   const Particles *p   = t->p;
   const PetscInt   dim = p->dim, parts = dim * (dim + 1) / 2;
-  PetscReal       *S, sum[3]           = {0.0, 0.0, (PetscReal)p->n_fluid};
+  PetscReal       *S, sum[3]           = {0.0, 0.0, (PetscReal)t->n};
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(p->n_fluid * parts, &S));
-  PetscCall(Strain(t->ops, p, u, walls->u, S));
-  for (PetscInt i = 0; i < p->n_fluid; i++) Linearise(t, i, &S[i * parts], sum);
+  PetscCall(PetscMalloc1(t->n * parts, &S));
+  PetscCall(StrainAtPoints(t, u, walls->u, S));
+  for (PetscInt i = 0; i < t->n; i++) {
+    StressFollow(&t->scene->rheology, dim, &S[i * parts], &t->point[i], sum);
+    if (!t->ops->strain) t->p->nu[i] = t->point[i].nu;
+  }
   PetscCall(PetscFree(S));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
   t->error  = sum[0] > 0.0 ? PetscSqrtReal(sum[0] / sum[1]) : 0.0;
   t->stress = PetscSqrtReal(sum[1] / PetscMax(sum[2], 1.0));
   for (PetscInt c = 0; c < dim; c++) PetscCall(LocalValues(p, u[c], walls->u[c], dim, t->u + c));
   PetscCall(ParticlesHaloVectors(p, t->u));
-  PetscCall(PetscArraycpy(t->p->nu, t->nu, p->n_fluid));
-  PetscCall(ParticlesHaloField(p, t->p->nu));
+  if (t->ops->strain) PetscCall(StrainFollow(t->scene, t->p, t->ops->strain));
+  else PetscCall(ParticlesHaloField(p, t->p->nu));
   PetscCall(OperatorsScaleViscosity(t->scene, p, t->ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -281,6 +319,25 @@ static void TermOfChanges(const StressTangent *t, PetscInt i, PetscReal y[])
   }
 }
 
+/* Computes the term -1/M_i sum_c V_c dnu_c S_c g_i of particle i, from the cells of a weak form. */
+static void TermOfCells(const StressTangent *t, PetscInt i, PetscReal y[])
+{
+  const StrainCells *s = t->ops->strain;
+
+  for (PetscInt a = 0; a < t->p->dim; a++) {
+    const PetscInt q = s->sets == 1 ? 0 : a;
+
+    y[a] = 0.0;
+    for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
+      const PetscInt  c = s->cell[q][k];
+      const PetscReal w = s->volume[c] * t->change[c] / s->mass[i];
+
+      for (PetscInt b = 0; b < t->p->dim; b++)
+        y[a] -= w * t->point[c].strain[Component(a, b)] * s->g[q][b][s->at[q][k]];
+    }
+  }
+}
+
 /*
   TangentApplyAdd - Adds scale times the viscous term of the changes of the viscosity by v,
 
@@ -298,15 +355,15 @@ PetscErrorCode TangentApplyAdd(StressTangent *t, PetscReal scale, const Vec v[],
   PetscScalar     *to[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(p->n_fluid * parts, &S));
-  PetscCall(Strain(t->ops, p, v, NULL, S));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    t->change[i] = t->slope[i] * HalfProduct(dim, &t->strain[i * parts], &S[i * parts]);
+  PetscCall(PetscMalloc1(t->n * parts, &S));
+  PetscCall(StrainAtPoints(t, v, NULL, S));
+  for (PetscInt i = 0; i < t->n; i++) t->change[i] = StressChange(dim, &S[i * parts], &t->point[i]);
   PetscCall(PetscFree(S));
-  PetscCall(ParticlesHaloField(p, t->change));
+  if (!t->ops->strain) PetscCall(ParticlesHaloField(p, t->change));
   for (PetscInt c = 0; c < dim; c++) PetscCall(VecGetArray(y[c], &to[c]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    TermOfChanges(t, i, term);
+    if (t->ops->strain) TermOfCells(t, i, term);
+    else TermOfChanges(t, i, term);
     for (PetscInt c = 0; c < dim; c++) to[c][i] += scale * term[c];
   }
   for (PetscInt c = 0; c < dim; c++) PetscCall(VecRestoreArray(y[c], &to[c]));
