@@ -55,8 +55,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, co
                               PetscInt degree, PetscInt sets, StrainCells **cells);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
-PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, PetscBool tangent,
-                           StrainCells *cells, Mat A, Mat B);
+PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, StrainCells *cells,
+                           Mat A, Mat B);
 PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const Vec walls[],
                                 StrainCells *cells);
 void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);

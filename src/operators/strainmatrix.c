@@ -5,12 +5,10 @@
     (L u)_ia = -1/(nu_0 M_i) sum_c V_c nu_c sum_j (d_ab g_i.g_j + g_ib g_ja) u_jb
 
   with nu_0 of the scene. Times the masses it is symmetric and not positive: no velocity gains
-  energy. The tangent has the derivative of nu_c too, (4 nu'/rate) (E g_i)_a (E g_j)_b.
+  energy.
 */
 #include "isph/operators.h"
 #include "isph/strain.h"
-
-#define SLOPE_STEP 1e-4 /* relative step of the rate for the derivative of the viscosity */
 
 /* Lists the places of own fluid in the cells, for each set of components. */
 static PetscErrorCode ListCells(const Particles *p, StrainCells *s)
@@ -183,8 +181,7 @@ static PetscErrorCode PlaceSlots(const Particles *p, const Pattern *const blocks
 /* The weight of a cell in the rows of a particle. */
 typedef struct {
   PetscInt  c;
-  PetscReal factor;  /* -V nu/(nu_0 M) */
-  PetscReal tangent; /* -4 V nu'/(rate nu_0 M); 0: none */
+  PetscReal factor; /* -V nu/(nu_0 M) */
 } CellWeight;
 
 /* Adds a cell to the rows of a component of particle i. Input: q, e - its set and place; to -
@@ -192,12 +189,10 @@ typedef struct {
 static void AddCell(const Particles *p, const StrainCells *s, const CellWeight *by, PetscInt a,
                     PetscInt q, PetscInt e, const PetscInt place[], PetscReal *const to[])
 {
-  const PetscInt   d = p->dim, c = by->c;
-  const PetscReal *E                 = s->strain ? &s->strain[c * d * d] : NULL;
-  PetscReal        own[ISPH_MAX_DIM] = {0.0}, pulled = 0.0;
+  const PetscInt d = p->dim, c = by->c;
+  PetscReal      own[ISPH_MAX_DIM] = {0.0};
 
   for (PetscInt b = 0; b < d; b++) own[b] = s->g[q][b][e];
-  for (PetscInt b = 0; b < d && by->tangent != 0.0; b++) pulled += E[a * d + b] * own[b];
   for (PetscInt b = 0; b < d; b++) {
     const PetscInt r = s->sets == 1 ? 0 : b;
 
@@ -207,32 +202,17 @@ static void AddCell(const Particles *p, const StrainCells *s, const CellWeight *
 
       if (a == b)
         for (PetscInt x = 0; x < d; x++) sum += by->factor * own[x] * s->g[r][x][k];
-      if (by->tangent != 0.0) {
-        PetscReal pull = 0.0;
-
-        for (PetscInt x = 0; x < d; x++) pull += E[b * d + x] * s->g[r][x][k];
-        sum += by->tangent * pulled * pull;
-      }
       to[ParticlesIsWall(p, j) ? 1 : 0][d * place[j] + b] += sum;
     }
   }
 }
 
-/* Returns the derivative of the viscosity by the rate over the rate [m^2]. */
-static PetscReal ViscositySlope(const Rheology *law, PetscReal rate)
-{
-  const PetscReal r = PetscMax(rate, 1e-300), step = SLOPE_STEP * r;
-
-  return (RheologyViscosity(law, r + step) - RheologyViscosity(law, r - step)) / (2.0 * step * r);
-}
-
 /*
   StrainScale - Computes the entries of the viscous matrices for the present viscosities of cells
 
-  Collective. Input: tangent - with the derivative of the viscosity at the present strains.
+  Collective.
 */
-PetscErrorCode StrainScale(const Scene *scene, const Particles *p, PetscBool tangent,
-                           StrainCells *s, Mat A, Mat B)
+PetscErrorCode StrainScale(const Scene *scene, const Particles *p, StrainCells *s, Mat A, Mat B)
 {
   const Pattern *const blocks[2] = {&s->fluid_rows, &s->wall_rows};
   RowColumns           columns;
@@ -255,9 +235,6 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *p, PetscBool tan
         const PetscInt c  = s->cell[q][k];
         CellWeight     by = {.c = c, .factor = -s->volume[c] * s->nu[c] / (scene->nu * mass)};
 
-        if (tangent)
-          by.tangent = -4.0 * s->volume[c] * ViscositySlope(&scene->rheology, s->rate[c]) /
-                       (scene->nu * mass);
         AddCell(p, s, &by, a, q, s->at[q][k], columns.place, to);
       }
     }
@@ -283,7 +260,7 @@ PetscErrorCode StrainMatrices(const Scene *scene, const Particles *p, PetscBool 
   PetscCall(MatSetBlockSizes(*A, d, d));
   if (walls)
     PetscCall(PatternMat(p->comm, &s->wall_rows, d * p->n_fluid, d * p->n_wall, s->value[1], B));
-  PetscCall(StrainScale(scene, p, PETSC_FALSE, s, *A, walls ? *B : NULL));
+  PetscCall(StrainScale(scene, p, s, *A, walls ? *B : NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

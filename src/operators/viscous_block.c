@@ -190,7 +190,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 
   PetscFunctionBegin;
   if (ops->strain) {
-    PetscCall(StrainScale(scene, p, PETSC_FALSE, ops->strain, op->A, op->B));
+    PetscCall(StrainScale(scene, p, ops->strain, op->A, op->B));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(BlockRowsGet(op->A, &a));
