@@ -360,6 +360,8 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
   const PetscReal  cell  = PetscPowReal(s->scale, (PetscReal)p->dim);
 
   PetscFunctionBegin;
+  s->n_jumps = SceneFluids(scene) - 1;
+  PetscCall(PetscCalloc2(s->n_jumps, &s->jump, s->n_jumps, &s->jumps));
   for (PetscInt f = 1; f < SceneFluids(scene); f++) {
     PetscReal nu = 0.0;
     Mat       part, D[2] = {NULL, NULL}, back, added;
@@ -380,12 +382,40 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
       PetscCall(Multiply(back, D[w], &added));
       PetscCall(SparseAdd(added, w ? &visc->B : &visc->A));
       PetscCall(MatDestroy(&added));
-      PetscCall(MatDestroy(&D[w]));
+      PetscCall(MatScale(D[w], cell));
+      s->jump[f - 1][w] = D[w];
     }
+    PetscCall(VecDuplicate(gamma, &s->jumps[f - 1]));
+    PetscCall(VecSet(s->jumps[f - 1], 0.0));
     PetscCall(MatDestroy(&back));
     PetscCall(MatDestroy(&part));
     PetscCall(VecDestroy(&gamma));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesSetJumps - Computes the jumps of the pressure by which a velocity is free of divergence in
+   each fluid, from the velocity u of the viscous solve; collective */
+PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s)
+{
+  Vec all, walls;
+
+  PetscFunctionBegin;
+  if (!s->n_jumps) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VelocityVec(flow->particles, &all));
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
+  for (PetscInt f = 0; f < s->n_jumps; f++) PetscCall(MatMult(s->jump[f][0], all, s->jumps[f]));
+  PetscCall(VecDestroy(&all));
+  if (s->jump[0][1]) {
+    PetscCall(WallVelocityVec(flow->particles, &walls));
+    for (PetscInt a = 0; a < s->lattice.dim; a++)
+      PetscCall(VecStrideScatter(flow->walls.u[a], a, walls, INSERT_VALUES));
+    for (PetscInt f = 0; f < s->n_jumps; f++)
+      PetscCall(MatMultAdd(s->jump[f][1], walls, s->jumps[f], s->jumps[f]));
+    PetscCall(VecDestroy(&walls));
+  }
+  for (PetscInt f = 0; f < s->n_jumps; f++) PetscCall(VecScale(s->jumps[f], -flow->scene->rho));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -409,7 +439,7 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   PetscFunctionBegin;
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
-  for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
+  PetscCall(SplinesCutFree(s));
   if (!cells || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
@@ -421,7 +451,6 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   }
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(DivideByMass(p, cells, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
-  PetscCall(VecDestroy(&s->cut_gradient));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
   PetscCall(AddJumps(flow, cells, n, all, T, s));
   PetscCall(MatDestroy(&all));

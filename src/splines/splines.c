@@ -147,6 +147,22 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplinesCutFree - Frees what SplinesCutAssemble() computes; collective */
+PetscErrorCode SplinesCutFree(Splines *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
+  PetscCall(VecDestroy(&s->cut_gradient));
+  for (PetscInt f = 0; f < s->n_jumps; f++) {
+    PetscCall(MatDestroy(&s->jump[f][0]));
+    PetscCall(MatDestroy(&s->jump[f][1]));
+    PetscCall(VecDestroy(&s->jumps[f]));
+  }
+  PetscCall(PetscFree2(s->jump, s->jumps));
+  s->n_jumps = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Frees all that depends on the numbers of the splines. */
 static PetscErrorCode FreeNumbered(Splines *s)
 {
@@ -156,8 +172,7 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(MatDestroy(&s->K));
   PetscCall(MatDestroy(&s->M));
   PetscCall(MatDestroy(&s->A));
-  for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
-  PetscCall(VecDestroy(&s->cut_gradient));
+  PetscCall(SplinesCutFree(s));
   PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->p));
   PetscCall(VecDestroy(&s->phi));

@@ -236,7 +236,10 @@ struct Splines {
   Vec       mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
   Mat       cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
   Vec       cut_gradient; /* work: at particles */
-  Mat       A; /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+  PetscInt  n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
+  Mat (*jump)[2];         /* their jumps over fluid and walls, negative, over the density [m/s] */
+  Vec *jumps;             /* coefficients of the jump in each [Pa] */
+  Mat  A; /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -354,6 +357,8 @@ PetscErrorCode SplinesFree(Splines *s);
 PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
 PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
 PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
+PetscErrorCode SplinesCutFree(Splines *s);
+PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splineinverse.c */
 typedef struct SplineInverse SplineInverse;

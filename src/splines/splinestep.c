@@ -246,6 +246,30 @@ PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the jumps of the pressure to the values of particles. */
+static PetscErrorCode AddJumps(Flow *flow, Splines *s, Vec p)
+{
+  const Particles   *particles = flow->particles;
+  const PetscScalar *jump;
+  PetscScalar       *to;
+  Vec                value;
+
+  PetscFunctionBegin;
+  if (!s->n_jumps) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowGetWork(flow, &value));
+  for (PetscInt f = 0; f < s->n_jumps; f++) {
+    PetscCall(SplinesValue(s, s->jumps[f], value));
+    PetscCall(VecGetArrayRead(value, &jump));
+    PetscCall(VecGetArray(p, &to));
+    for (PetscInt i = 0; i < particles->n_fluid; i++)
+      if ((PetscInt)particles->fluid[i] == f + 1) to[i] += jump[i];
+    PetscCall(VecRestoreArray(p, &to));
+    PetscCall(VecRestoreArrayRead(value, &jump));
+  }
+  PetscCall(FlowRestoreWork(flow, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplinesSpread - Sets the pressure of particles to the splines' and removes an undetermined mean;
    keeps a copy in the order of the lattice; collective */
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
@@ -255,6 +279,7 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
 
   PetscFunctionBegin;
   PetscCall(SplinesValue(s, s->p, state->p));
+  PetscCall(AddJumps(flow, s, state->p));
   if (ScenePressureFloats(flow->scene)) {
     PetscCall(FluidSum(flow->particles, state->p, PETSC_FALSE, &sum));
     PetscCall(VecShift(s->p, -sum / flow->particles->weight));
@@ -264,6 +289,35 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
   PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns this rank's part of the jump of the pressure at a place, which has the
+   fluid of the nearest particle [Pa]. */
+static PetscReal JumpAt(const Splines *s, const Particles *p, const PetscReal x[])
+{
+  PetscReal          best = PETSC_INFINITY, sum = 0.0;
+  PetscInt           fluid = 0;
+  SplineRow          at;
+  const PetscScalar *z;
+
+  if (!s->n_jumps) return 0.0;
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
+    PetscReal r2 = 0.0;
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - x[a]);
+    if (r2 < best) fluid = (PetscInt)p->fluid[j];
+    best = PetscMin(best, r2);
+  }
+  if (!fluid) return 0.0;
+  SplineRowAt(s, &s->lattice, p, x, &at);
+  if (VecGetArrayRead(s->jumps[fluid - 1], &z)) return 0.0;
+  for (PetscInt k = 0; k < at.n; k++) {
+    const PetscInt own = at.number[k] - s->own.start;
+
+    if (own >= 0 && own < s->own.size) sum += at.value[k] * z[own];
+  }
+  return VecRestoreArrayRead(s->jumps[fluid - 1], &z) ? 0.0 : sum;
 }
 
 /* SplinesPressure - Computes this rank's part of the pressure at a point [Pa]; the sum over all
@@ -276,7 +330,7 @@ PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, con
 
   PetscFunctionBegin;
   SplineRowAt(s, &s->pressure, particles, x, &at);
-  *p = 0.0;
+  *p = JumpAt(s, particles, x);
   PetscCall(VecGetArrayRead(s->p, &coefficient));
   for (PetscInt k = 0; k < at.n; k++) {
     const PetscInt own = at.number[k] - s->own.start;

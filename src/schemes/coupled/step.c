@@ -244,6 +244,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
 {
   const Clock    *clock   = flow->clock;
   FlowState      *s       = flow->state;
+  Splines        *sp      = flow->scheme->splines;
   StepFailure    *failure = &flow->scheme->failure;
   const PetscBool steady = clock->steady_solve, newtonian = SceneIsNewtonian(flow->scene);
   const PetscBool iterates = !newtonian || (steady && SceneHas(flow->scene, PHYSICS_CONVECTION));
@@ -274,8 +275,10 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     PetscCall(FlowRestoreWork(flow, &u[a]));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, Pressure(flow)));
-  if (flow->scheme->splines) PetscCall(SplinesSpread(flow, flow->scheme->splines));
-  else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
+  if (sp) {
+    PetscCall(SplinesSetJumps(flow, s->u_next, sp));
+    PetscCall(SplinesSpread(flow, sp));
+  } else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -32,6 +32,7 @@ static PetscErrorCode SolveOnSplines(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(SplinesDivergence(flow, s, flow->state->u_next, t, s->b));
+  PetscCall(SplinesSetJumps(flow, flow->state->u_next, s));
   PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
   PetscCall(SplinesValue(s, s->divergence, flow->state->divergence));
   PetscCall(VecScale(s->b, -PetscSqr(s->scale) * flow->scene->rho / pr->k));
