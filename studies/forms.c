@@ -51,14 +51,14 @@ static const LaplacianRow laplacians[] = {
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
      FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_EXACT_QUADRATIC | FORM_SAFE_IMPLICIT |
          FORM_VARYING,
-     0, LaplacianRow_Mls3, NULL, 0.0, NULL},
+     0, LaplacianRow_Mls3, NULL, 0.0, NULL, PETSC_FALSE},
     {"corrected", "morris with -correction first_order under another name (VISC-04)",
      "Oger et al., J. Comput. Phys. 225 (2007)",
      FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT | FORM_SAFE_IMPLICIT | FORM_VARYING, 0,
-     LaplacianRow_Corrected, NULL, 0.0, NULL},
+     LaplacianRow_Corrected, NULL, 0.0, NULL, PETSC_FALSE},
     {"direct_difference", "direct with differences of velocities; anti-diffusive, for comparison",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", DIFFERENCES,
-     CORRECTION_SHEPARD, LaplacianRow_DirectDifference, NULL, 1.0 / 3.0, NULL},
+     CORRECTION_SHEPARD, LaplacianRow_DirectDifference, NULL, 1.0 / 3.0, NULL, PETSC_FALSE},
 };
 
 const FormsLibrary IsphForms = {FORMS_BUILD, .laplacians = TABLE("Laplacians", laplacians)};

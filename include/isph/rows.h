@@ -324,6 +324,14 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
   return 2.0 / (1.0 / own + 1.0 / other);
 }
 
+/* OperatorsCutFluids - Returns true if the viscous form is cut at interfaces of fluids, so that the
+   divergence in each fluid has a penalty; not collective */
+static inline PetscBool OperatorsCutFluids(const Scene *scene, const Operators *ops)
+{
+  return SceneFluids(scene) > 1 && ops->forms.visc.row && ops->forms.visc.row->weak ? PETSC_TRUE
+                                                                                    : PETSC_FALSE;
+}
+
 PetscBool OperatorsStressSurface(const Operators *ops);
 PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i);
 

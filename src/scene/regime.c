@@ -94,6 +94,7 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
   RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0 ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
+  RegimeSetFact(r, FACT_FLUIDS, SceneFluids(scene) > 1 ? PETSC_TRUE : PETSC_FALSE);
   r->number[NUMBER_CELL]     = cell;
   r->number[NUMBER_CONTRAST] = scene->nu_low > 0.0 ? scene->nu_high / scene->nu_low : 1.0;
   *regime                    = r;

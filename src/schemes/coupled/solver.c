@@ -24,24 +24,29 @@ const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme",
 
 /* Sets defaults for the solvers of the field split's blocks: a single application of the regime's
    preconditioner for velocities, with more fill in 2D where viscosities vary, which ILU(0) does not
-   hold with (in 3D it does, and fill takes three times as long); for pressures the shell
+   hold with (in 3D it does, and fill takes three times as long), and with complete factors of the
+   blocks of ranks where the form is cut at interfaces; for pressures the shell
    preconditioner of schur.c. */
-static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
+static PetscErrorCode BlockDefaults(const Flow *flow)
 {
+  const Scene    *scene  = flow->scene;
   const PetscBool varies = SceneViscosityVaries(scene);
   const char     *velocity;
   char            type[32];
   PetscBool       blocks, given;
 
   PetscFunctionBegin;
-  scene->regime->number[NUMBER_STIFFNESS] = scene->nu_high * dt / PetscSqr(SceneFinest(scene));
-  velocity                                = RegimeWord(scene->regime, REGIME_BLOCK_PC);
+  scene->regime->number[NUMBER_STIFFNESS] =
+      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
+  velocity = RegimeWord(scene->regime, REGIME_BLOCK_PC);
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-pc_type", velocity));
   PetscCall(PetscOptionsGetString(NULL, "coupled_fieldsplit_velocity_", "-pc_type", type,
                                   sizeof(type), &given));
   PetscCall(PetscStrcmp(type, PCBJACOBI, &blocks));
-  if (varies && blocks && scene->dim == 2)
+  if (OperatorsCutFluids(scene, flow->ops))
+    PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-sub_pc_type", PCLU));
+  else if (varies && blocks && scene->dim == 2)
     PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-sub_pc_factor_levels", "1"));
   PetscCall(AmgDefaults("coupled_fieldsplit_velocity_", "0"));
   if (SceneHasFreeSurface(scene) && scene->dim == 2)
@@ -121,7 +126,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   c->guard.remedy      = "try a larger -coupled_ksp_max_it, or a smaller -dt";
   if (!lu)
     c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
-  if (split) PetscCall(BlockDefaults(flow->scene, flow->clock->dt));
+  if (split) PetscCall(BlockDefaults(flow));
   if (split) PetscCall(OptionGetRow(&options[0], NULL, &c->schur.row));
   PetscCall(TimeOptionsRefuse("coupled_", c->row->name));
   PetscCall(PetscOptionsHasName(NULL, "coupled_", "-ts_atol", &given));
