@@ -134,113 +134,32 @@ static PetscErrorCode SetDistances(const Scene *scene, StrainLattice *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Calls Visit() for each corner within `reach` of a particle. */
-static PetscErrorCode AroundParticle(const Scene *scene, const Particles *p, const StrainLattice *l,
-                                     PetscInt j, PetscReal reach,
-                                     void (*Visit)(const Particles *, PetscInt corner, PetscInt j,
-                                                   const PetscReal X[], PetscReal r2, void *),
-                                     void *ctx)
-{
-  PetscInt first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], all = 1;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) {
-    const PetscReal y   = (p->x[a][j] - scene->lo[a]) / l->edge[a] - l->first[a],
-                    r   = reach / l->edge[a];
-    const PetscInt last = PetscMin((PetscInt)PetscFloorReal(y + r), l->n[a]);
-
-    first[a] = PetscMax((PetscInt)PetscCeilReal(y - r), 0);
-    n[a]     = PetscMax(0, last - first[a] + 1);
-    all *= n[a];
-  }
-  for (PetscInt k = 0; k < all; k++) {
-    PetscInt  index[ISPH_MAX_DIM], rest = k, corner = 0;
-    PetscReal x[ISPH_MAX_DIM], r2 = 0.0;
-
-    for (PetscInt a = 0; a < l->dim; a++) {
-      index[a] = first[a] + rest % n[a];
-      rest /= n[a];
-    }
-    for (PetscInt a = l->dim - 1; a >= 0; a--) corner = corner * (l->n[a] + 1) + index[a];
-    CornerPlace(scene, l, index, x);
-    for (PetscInt a = 0; a < l->dim; a++) {
-      x[a] -= p->x[a][j];
-      r2 += x[a] * x[a];
-    }
-    if (r2 < reach * reach) Visit(p, corner, j, x, r2, ctx);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Particles near corners, and the distance of the interface by them. */
-typedef struct {
-  PetscReal  reach;
-  PetscInt  *nearest, *other; /* particle: of all, and of fluids other than its; -1: none */
-  PetscReal *r2[2];           /* their squared distances [m^2] */
-  PetscReal *sum, *weight;    /* of distances from the interface, positive in the nearest's fluid */
-} Witnesses;
-
-static void FindNearest(const Particles *p, PetscInt corner, PetscInt j, const PetscReal X[],
-                        PetscReal r2, void *ctx)
-{
-  Witnesses *w = (Witnesses *)ctx;
-
-  (void)p;
-  (void)X;
-  if (r2 >= w->r2[0][corner]) return;
-  w->r2[0][corner]   = r2;
-  w->nearest[corner] = j;
-}
-
-static void AddDistance(const Particles *p, PetscInt corner, PetscInt j, const PetscReal X[],
-                        PetscReal r2, void *ctx)
-{
-  Witnesses      *w     = (Witnesses *)ctx;
-  const PetscBool other = p->fluid[j] != p->fluid[w->nearest[corner]] ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal W     = PetscSqr(PetscSqr(1.0 - PetscSqrtReal(r2) / w->reach));
-  PetscReal       d = p->interface[j], normal = 0.0;
-
-  if (other && r2 < w->r2[1][corner]) {
-    w->r2[1][corner] = r2;
-    w->other[corner] = j;
-  }
-  for (PetscInt a = 0; a < p->dim; a++) {
-    d += p->interface_normal[a][j] * X[a];
-    normal += PetscSqr(p->interface_normal[a][j]);
-  }
-  if (normal < 0.5) return;
-  w->sum[corner] += W * (other ? -d : d);
-  w->weight[corner] += W;
-}
-
 /* Sets the fluid at each corner and its distance from the interface, by the particles around. */
 static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const StrainLattice *l,
                                 Corners *corners)
 {
-  const PetscInt n = corners->all;
-  Witnesses      w = {.reach = NODE_REACH * scene->dx};
+  const PetscReal reach = NODE_REACH * scene->dx;
+  Cells           cells = {0};
+  PetscInt       *list;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n, &w.nearest, n, &w.other));
-  PetscCall(PetscMalloc4(n, &w.r2[0], n, &w.r2[1], n, &w.sum, n, &w.weight));
-  for (PetscInt k = 0; k < n; k++) {
-    w.nearest[k] = w.other[k] = -1;
-    w.r2[0][k] = w.r2[1][k] = PETSC_INFINITY;
-    w.sum[k] = w.weight[k] = 0.0;
+  PetscCall(CellsBuild(p, reach, &cells));
+  PetscCall(PetscMalloc1(cells.n, &list));
+  for (PetscInt k = 0; k < corners->all; k++) {
+    PetscInt       index[ISPH_MAX_DIM], n;
+    PetscReal      x[ISPH_MAX_DIM];
+    InterfacePlane plane;
+    PetscBool      cut;
+
+    CornerIndex(l, k, index);
+    CornerPlace(scene, l, index, x);
+    PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
+    cut               = InterfaceNear(p, x, n, list, &plane);
+    corners->fluid[k] = plane.fluid[plane.offset < 0.0];
+    corners->phi[k]   = cut ? PetscAbsReal(plane.offset) : reach;
   }
-  for (PetscInt j = 0; j < ParticlesAll(p); j++)
-    if (!ParticlesIsWall(p, j)) PetscCall(AroundParticle(scene, p, l, j, w.reach, FindNearest, &w));
-  for (PetscInt j = 0; j < ParticlesAll(p); j++)
-    if (!ParticlesIsWall(p, j)) PetscCall(AroundParticle(scene, p, l, j, w.reach, AddDistance, &w));
-  for (PetscInt k = 0; k < n; k++) {
-    corners->fluid[k] = w.nearest[k] < 0 ? 0 : (PetscInt)p->fluid[w.nearest[k]];
-    corners->phi[k]   = w.weight[k] > 0.0 ? w.sum[k] / w.weight[k] : w.reach;
-    if (corners->phi[k] >= 0.0) continue;
-    corners->phi[k] = w.other[k] < 0 ? 0.0 : -corners->phi[k];
-    if (w.other[k] >= 0) corners->fluid[k] = (PetscInt)p->fluid[w.other[k]];
-  }
-  PetscCall(PetscFree2(w.nearest, w.other));
-  PetscCall(PetscFree4(w.r2[0], w.r2[1], w.sum, w.weight));
+  PetscCall(PetscFree(list));
+  PetscCall(CellsFree(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
