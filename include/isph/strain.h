@@ -12,6 +12,7 @@
 
 #include "isph/rows.h"
 
+#define CELL_EDGE     0.5 /* of a cell [dx] */
 #define STRAIN_TENSOR (ISPH_MAX_DIM * ISPH_MAX_DIM)
 
 /* Rows of sums over particles by local index: sum_k w[k] u_j[k], k in [start[r], start[r + 1]). */
@@ -52,7 +53,7 @@ struct StrainCells {
 
 PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
-                              PetscInt degree, PetscInt sets, StrainCells **cells);
+                              PetscReal edge, PetscInt degree, PetscInt sets, StrainCells **cells);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
 PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, StrainCells *cells,
@@ -62,6 +63,8 @@ PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const
 void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);
 PetscErrorCode StrainFollow(const Scene *scene, Particles *particles, StrainCells *cells);
 PetscErrorCode StrainSpread(Particles *particles, StrainCells *cells);
+PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
+                                PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
 #endif

@@ -12,6 +12,7 @@
   Laplacian of a quadratic fit. See docs/theory.md, (381).
 */
 #include "defect.h"
+#include "isph/strain.h"
 
 #define SLAB    512  /* particles whose rows of neighbours are kept at once */
 #define DEGREE  3    /* of the fits */
@@ -183,6 +184,18 @@ static PetscErrorCode AddCompactPressure(const Flow *flow, Defect *d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Replaces the residuals by those of the viscous force of a weak form. A viscosity that jumps, or
+   that follows the strain rate to a yield surface, has no force of fits. The divergence in each cell
+   is zero. */
+static PetscErrorCode WeakDefect(const Flow *flow, Defect *d)
+{
+  PetscFunctionBegin;
+  PetscCall(StrainForceError(flow->scene, flow->particles, flow->neighbors, flow->ops->forms.degree,
+                             flow->ops->strain, d->momentum));
+  PetscCall(PetscArrayzero(d->mass, flow->particles->n_fluid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   DefectCreate - Computes the defect of the present flow
 
@@ -211,7 +224,8 @@ PetscErrorCode DefectCreate(const Flow *flow, Defect *d)
   PetscCall(FitVelocity(flow, S, d));
   PetscCall(ParticlesHaloField(p, d->nu));
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloVectors(p, S[a]));
-  PetscCall(FitStress(flow, S, d));
+  if (flow->ops->strain) PetscCall(WeakDefect(flow, d));
+  else PetscCall(FitStress(flow, S, d));
   if (HasSound(flow)) PetscCall(AddCompactPressure(flow, d));
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(S[a]));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));

@@ -5,7 +5,6 @@
 */
 #include "strain.h"
 
-#define CELL_EDGE   0.5  /* of a cell [dx] */
 #define LEAST_PART  1e-6 /* volume of a part of a cell that counts, over that of the cell */
 #define LEAST_MASS  0.3  /* of a particle, over its volume */
 #define NODE_REACH  1.5  /* particles that decide on the interface at a corner [dx] */
@@ -35,7 +34,7 @@ typedef struct {
 } Cell;
 
 /* Sets the block of cells in which own particles have a part; returns true if it is a new one. */
-static PetscBool SetBlock(const Scene *scene, const Particles *p, StrainLattice *l)
+static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge, StrainLattice *l)
 {
   PetscBool changed = PETSC_FALSE;
 
@@ -46,7 +45,7 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, StrainLattice 
     const PetscBool around = SceneIsPeriodic(scene, a);
     PetscInt        first, last;
 
-    l->cells[a] = PetscMax(1, (PetscInt)(length / (CELL_EDGE * scene->dx) + 0.5));
+    l->cells[a] = PetscMax(1, (PetscInt)(length / (edge * scene->dx) + 0.5));
     l->edge[a]  = length / l->cells[a];
     first = (PetscInt)PetscFloorReal((PetscMax(p->lo[a], scene->lo[a]) - reach - scene->lo[a]) /
                                      l->edge[a]);
@@ -478,14 +477,15 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
   Not collective.
 
   Input Parameters:
-+ degree - of fits
++ edge   - of a cell [dx]
+. degree - of fits
 - sets   - components of the velocity with equations of their own at boundaries: 1 or dim
 
   Input/Output Parameter:
 . cells - NULL at first
 */
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
-                              PetscInt degree, PetscInt sets, StrainCells **cells)
+                              PetscReal edge, PetscInt degree, PetscInt sets, StrainCells **cells)
 {
   StrainFits fits = {.scene = scene, .p = p, .nb = nb, .degree = PetscMin(degree, 3), .sets = sets};
   Corners    corners = {.fluid = NULL};
@@ -498,7 +498,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   if (!*cells) PetscCall(PetscNew(cells));
   s       = *cells;
   s->sets = sets;
-  if (SetBlock(scene, p, &s->lattice) || (scene->n_bodies && !s->lattice.distance))
+  if (SetBlock(scene, p, edge, &s->lattice) || (scene->n_bodies && !s->lattice.distance))
     PetscCall(SetDistances(scene, &s->lattice));
   corners.all = CornerCount(&s->lattice);
   if (p->fluid) {

@@ -4,28 +4,16 @@
 
 #define RIDGE 1e-8 /* of the moments of a linear fit, over their trace */
 
-/*
-  StrainOfVelocity - Computes the strains of the cells and their rates, sqrt(2 E:E)
-
-  Collective. Input: u - velocity components over the fluid; walls - those of walls, NULL entries
-  without walls.
-*/
-PetscErrorCode StrainOfVelocity(const Particles *p, const Vec u[], const Vec walls[],
-                                StrainCells *s)
+/* Computes the strains of the cells and their rates from velocities by local index. */
+static PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *s)
 {
   const PetscInt d = p->dim;
-  PetscReal     *value[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(PetscFree(s->strain));
   PetscCall(PetscFree(s->rate));
   PetscCall(PetscMalloc1(s->n * d * d + 1, &s->strain));
   PetscCall(PetscMalloc1(s->n + 1, &s->rate));
-  for (PetscInt a = 0; a < d; a++) {
-    PetscCall(PetscMalloc1(ParticlesAll(p), &value[a]));
-    PetscCall(LocalValues(p, u[a], walls ? walls[a] : NULL, 1, value[a]));
-    PetscCall(ParticlesHaloField(p, value[a]));
-  }
   for (PetscInt c = 0; c < s->n; c++) {
     PetscReal *E = &s->strain[c * d * d], G[STRAIN_TENSOR] = {0.0}, square = 0.0;
 
@@ -43,7 +31,78 @@ PetscErrorCode StrainOfVelocity(const Particles *p, const Vec u[], const Vec wal
     }
     s->rate[c] = PetscSqrtReal(2.0 * square);
   }
-  for (PetscInt a = 0; a < d; a++) PetscCall(PetscFree(value[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StrainOfVelocity - Computes the strains of the cells and their rates, sqrt(2 E:E)
+
+  Collective. Input: u - velocity components over the fluid; walls - those of walls, NULL entries
+  without walls.
+*/
+PetscErrorCode StrainOfVelocity(const Particles *p, const Vec u[], const Vec walls[],
+                                StrainCells *s)
+{
+  PetscReal *value[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(PetscMalloc1(ParticlesAll(p), &value[a]));
+    PetscCall(LocalValues(p, u[a], walls ? walls[a] : NULL, 1, value[a]));
+    PetscCall(ParticlesHaloField(p, value[a]));
+  }
+  PetscCall(StrainOfValues(p, value, s));
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(value[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds scale times the viscous force of the present strains to own fluid [m/s^2]. */
+static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
+                     PetscReal *const to[])
+{
+  const PetscInt d = p->dim;
+
+  for (PetscInt c = 0; c < s->n; c++) {
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscInt q = s->sets == 1 ? 0 : a;
+
+      for (PetscInt e = s->first[q][c]; e < s->first[q][c + 1]; e++) {
+        const PetscInt j   = s->j[q][e];
+        PetscReal      sum = 0.0;
+
+        if (j >= p->n_fluid) continue;
+        for (PetscInt b = 0; b < d; b++) sum += s->strain[(c * d + a) * d + b] * s->g[q][b][e];
+        to[a][j] -= scale * 2.0 * s->volume[c] * s->nu[c] * sum / s->mass[j];
+      }
+    }
+  }
+}
+
+/*
+  StrainForceError - Estimates the error of the viscous force of the present velocity by cells twice
+  as large
+
+    error = (F_2h - F_h)/3,   F_h the force with cells of edge h, of second order
+
+  Collective. Input: cells - those of the run; velocities of particles with their halo. Output:
+  error - components at own fluid [m/s^2].
+*/
+PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                PetscInt degree, StrainCells *cells, PetscReal *const error[])
+{
+  StrainCells *of[2] = {cells, NULL};
+
+  PetscFunctionBegin;
+  PetscCall(StrainAssemble(scene, p, nb, 2.0 * CELL_EDGE, degree, cells->sets, &of[1]));
+  StrainViscosities(scene, p, of[1]);
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(error[a], p->n_fluid));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(StrainOfValues(p, p->u, of[k]));
+    for (PetscInt c = 0; c < of[k]->n && !SceneIsNewtonian(scene); c++)
+      of[k]->nu[c] = RheologyViscosity(&scene->rheology, of[k]->rate[c]);
+    AddForce(p, of[k], k ? 1.0 / 3.0 : -1.0 / 3.0, error);
+  }
+  PetscCall(StrainDestroy(&of[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -93,6 +93,19 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Chooses a direct solver on a single rank in 2D where the viscous form is cut at interfaces of
+   fluids: no field split holds with every ratio of their viscosities. */
+static PetscErrorCode DirectDefault(const Flow *flow)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  if (ranks == 1 && flow->scene->dim == 2 && OperatorsCutFluids(flow->scene, flow->ops))
+    PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CoupledSolverCreate - Creates the solver of the coupled scheme and adds its solve to the scheme
 
@@ -112,6 +125,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   PetscBool given, split, lu;
 
   PetscFunctionBegin;
+  PetscCall(DirectDefault(flow));
   PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
   PetscCall(PetscStrcmp(type, PCLU, &lu));
