@@ -66,7 +66,7 @@ static void test_declared(void **state)
   for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
     const LaplacianRow *form = CloudLaplacian(k);
 
-    for (PetscInt dim = 2; dim <= (form->composed ? 2 : 3); dim++) {
+    for (PetscInt dim = 2; dim <= (form->composed || form->weak ? 2 : 3); dim++) {
       const CloudBox  box       = CloudPeriodic(dim, 0.25);
       Cloud           cloud     = CloudOfForm(form, &box, "");
       const PetscReal linear    = LargestError(&cloud, 0, dim),
@@ -218,6 +218,7 @@ static void test_one_piece(void **state)
 {
   (void)state;
   for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
+    if (CloudLaplacian(k)->weak) continue; /* its cells fill the box */
     for (PetscInt dim = 2; dim <= 3; dim++) {
       Cloud cloud = CloudFree(CloudLaplacian(k), dim);
 

@@ -31,7 +31,7 @@ DUCT = ("-case scene -scene_box 0,0,2,1 -scene_inflow left -scene_outflow right 
         "-viscosity 0.1 -motion eulerian -t_end 1")
 RUNS += [
     (r"momentum not kept: fluid that touches nothing ", f"{PAIR} -viscosity 0.01 -surface_tension 1", f"{PAIR} -viscosity 0.1"),
-    (r"rotation not kept: torques on boundaries ", f"{RINGS} -rheology papanastasiou -rheology_yield 1", RINGS),
+    (r"rotation not kept: torques on boundaries ", f"{RINGS} -rheology papanastasiou -rheology_yield 1 -visc_laplacian stress_mls", RINGS),
     (r"momentum not kept: forces on boundaries ", "-case cavity -motion eulerian -reynolds 400 -n 10 -t_end 3 -pressure_points same", f"{DUCT} -n 12"),
 ]
 

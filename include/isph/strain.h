@@ -5,7 +5,7 @@
 
     V_c (grad u)_c = sum over faces of u n^T A,   F_i = -(1/V_i) d/du_i sum_c V_c nu_c E_c:E_c
 
-  with E_c the symmetric part. See docs/theory.md, (392) to (396).
+  with E_c the symmetric part. See docs/theory.md, (480) to (484).
 */
 #ifndef ISPH_STRAIN_H
 #define ISPH_STRAIN_H
@@ -53,7 +53,8 @@ struct StrainCells {
 
 PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
-                              PetscReal edge, PetscInt degree, PetscInt sets, StrainCells **cells);
+                              PetscReal edge, PetscInt degree, PetscInt sets, PetscBool normal,
+                              StrainCells **cells);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
 PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, StrainCells *cells,

@@ -44,6 +44,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   }
   for (PetscInt k = 0; k < s->n_standing; k++) PetscCall(VecDestroy(s->standing[k].vec));
   PetscCall(PetscFree(s->kept_fits.number));
+  s->kept_fits = (KeptFits){.n = 0};
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   PetscCall(VecDestroy(&s->source));

@@ -184,9 +184,9 @@ static PetscErrorCode AddCompactPressure(const Flow *flow, Defect *d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Replaces the residuals by those of the viscous force of a weak form. A viscosity that jumps, or
-   that follows the strain rate to a yield surface, has no force of fits. The divergence in each cell
-   is zero. */
+/* Replaces the residuals by those of the viscous force of a weak form: fits of cubic degree see
+   forces at a jump of the viscosity, and at a yield surface, that the flow has not. The divergence
+   of cells is zero. */
 static PetscErrorCode WeakDefect(const Flow *flow, Defect *d)
 {
   PetscFunctionBegin;

@@ -394,8 +394,8 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
   PetscCall(MatDestroy(&visc->B));
-  PetscCall(
-      StrainAssemble(scene, p, nb, CELL_EDGE, ops->forms.degree, ops->n_velocity, &ops->strain));
+  PetscCall(StrainAssemble(scene, p, nb, CELL_EDGE, ops->forms.degree, ops->n_velocity, PETSC_FALSE,
+                           &ops->strain));
   StrainViscosities(scene, p, ops->strain);
   PetscCall(StrainMatrices(scene, p, ops->forms.wall ? PETSC_TRUE : PETSC_FALSE, ops->strain,
                            &visc->A, &visc->B));

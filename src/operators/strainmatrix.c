@@ -232,8 +232,9 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *p, StrainCells *
                                s->value[1] + blocks[1]->row[row]};
 
       for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
-        const PetscInt c  = s->cell[q][k];
-        CellWeight     by = {.c = c, .factor = -s->volume[c] * s->nu[c] / (scene->nu * mass)};
+        const PetscInt  c     = s->cell[q][k];
+        const PetscReal ratio = scene->nu > 0.0 ? s->nu[c] / scene->nu : 1.0;
+        CellWeight      by    = {.c = c, .factor = -s->volume[c] * ratio / mass};
 
         AddCell(p, s, &by, a, q, s->at[q][k], columns.place, to);
       }
@@ -261,35 +262,5 @@ PetscErrorCode StrainMatrices(const Scene *scene, const Particles *p, PetscBool 
   if (walls)
     PetscCall(PatternMat(p->comm, &s->wall_rows, d * p->n_fluid, d * p->n_wall, s->value[1], B));
   PetscCall(StrainScale(scene, p, s, *A, walls ? *B : NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* StrainDestroy - Frees the cells; not collective */
-PetscErrorCode StrainDestroy(StrainCells **cells)
-{
-  StrainCells *s = *cells;
-
-  PetscFunctionBegin;
-  if (!s) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(s->lattice.distance));
-  PetscCall(PetscFree(s->volume));
-  PetscCall(PetscFree(s->nu));
-  PetscCall(PetscFree(s->fluid));
-  PetscCall(PetscFree(s->mass));
-  PetscCall(PetscFree(s->strain));
-  PetscCall(PetscFree(s->rate));
-  for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
-    PetscCall(PetscFree(s->centre[q]));
-    PetscCall(PetscFree(s->first[q]));
-    PetscCall(PetscFree(s->j[q]));
-    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));
-    PetscCall(PetscFree(s->of[q]));
-    PetscCall(PetscFree2(s->at[q], s->cell[q]));
-  }
-  PetscCall(PatternFree(&s->fluid_rows));
-  PetscCall(PatternFree(&s->wall_rows));
-  PetscCall(PetscFree(s->value[0]));
-  PetscCall(PetscFree(s->value[1]));
-  PetscCall(PetscFree(*cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

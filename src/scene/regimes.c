@@ -129,8 +129,12 @@ static const RegimeRow laplacians[] = {
      "viscosities that follow the strain rate have no jumps"},
     {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH | FACT_NONLINEAR, ABOVE(300.0),
      "pairwise_stress", "fits across a jump of 1000 feed the flow with energy"},
-    {FACT_VARIES | FACT_CURVED, FACT_WCSPH | FACT_SURFACE | FACT_GRADED, ANY, "weak_stress",
-     "its dissipation is right where viscosities jump or streamlines curve"},
+    {FACT_VARIES | FACT_CURVED, FACT_WCSPH | FACT_SURFACE | FACT_GRADED | FACT_FLUIDS, ANY,
+     "weak_stress", "its dissipation is right where streamlines curve and fluids yield"},
+    {FACT_VARIES | FACT_CURVED | FACT_FLUIDS, FACT_WCSPH | FACT_SURFACE | FACT_GRADED | FACT_MOVES,
+     ANY, "weak_stress", "its cells and the pressure are cut where viscosities jump"},
+    {FACT_VARIES | FACT_CURVED | FACT_FLUIDS | FACT_MOVES, FACT_WCSPH | FACT_SURFACE | FACT_GRADED,
+     ANY, "stress_mls", "the place of an interface that moves is too uncertain for cuts"},
     {FACT_VARIES | FACT_CURVED | FACT_GRADED, FACT_WCSPH | FACT_SURFACE, ANY, "stress_mls",
      "without the whole stress fluids that rotate side by side err by tens of per cent"},
 };
@@ -184,10 +188,9 @@ static const RegimeRow gradients[] = {
 };
 
 static const RegimeRow viscous_pcs[] = {
-    {FACT_FLUIDS, 0, ANY, "bjacobi", "others fail with the jumps at interfaces"},
-    {0, FACT_FLUIDS, UPTO(2.0), "jacobi", "few iterations, and no set-up"},
-    {0, FACT_FLUIDS, RANGE(2.0, 200.0), "bjacobi", "block Jacobi with ILU(0) is enough"},
-    {0, FACT_FLUIDS, ABOVE(200.0), "hypre", "iterations that do not grow with the step"},
+    {0, 0, UPTO(2.0), "jacobi", "few iterations, and no set-up"},
+    {0, 0, RANGE(2.0, 200.0), "bjacobi", "block Jacobi with ILU(0) is enough"},
+    {0, 0, ABOVE(200.0), "hypre", "iterations that do not grow with the step"},
 };
 
 static const RegimeRow viscous_rtols[] = {

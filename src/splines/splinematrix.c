@@ -426,21 +426,26 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s)
 
     (D u)_q = sum_c V_c psi_q(x_c) (div u)_c,   (G p)_i = -1/M_i sum_q p_q d(D u)_q/du_i
 
-  Collective.
+  Collective. As in the fits of splinefits.c, walls along the axes take part with their normal
+  velocity only.
 */
 PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
 {
-  const Particles   *p     = flow->particles;
-  const StrainCells *cells = flow->ops->strain;
-  PetscInt           n     = 0;
-  PetscReal          x[ISPH_MAX_DIM];
-  Mat                all, T[2] = {NULL, NULL};
+  const Particles *p     = flow->particles;
+  const Operators *ops   = flow->ops;
+  StrainCells     *cells = NULL;
+  PetscInt         n     = 0;
+  PetscReal        x[ISPH_MAX_DIM];
+  Mat              all, T[2] = {NULL, NULL};
 
   PetscFunctionBegin;
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
   PetscCall(SplinesCutFree(s));
-  if (!cells || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!ops->strain || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, p->dim,
+                           PETSC_TRUE, &cells));
+  PetscCall(PetscArraycpy(cells->mass, ops->strain->mass, p->n_fluid));
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
   PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
@@ -456,6 +461,7 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   PetscCall(MatDestroy(&all));
   PetscCall(MatDestroy(&T[0]));
   PetscCall(MatDestroy(&T[1]));
+  PetscCall(StrainDestroy(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -479,19 +479,26 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
   Input Parameters:
 + edge   - of a cell [dx]
 . degree - of fits
-- sets   - components of the velocity with equations of their own at boundaries: 1 or dim
+. sets   - components of the velocity with equations of their own at boundaries: 1 or dim
+- normal - walls along the axes give their normal velocity only, and sets is dim
 
   Input/Output Parameter:
 . cells - NULL at first
 */
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
-                              PetscReal edge, PetscInt degree, PetscInt sets, StrainCells **cells)
+                              PetscReal edge, PetscInt degree, PetscInt sets, PetscBool normal,
+                              StrainCells **cells)
 {
-  StrainFits fits = {.scene = scene, .p = p, .nb = nb, .degree = PetscMin(degree, 3), .sets = sets};
-  Corners    corners = {.fluid = NULL};
-  Sides      sides   = {.side = NULL};
-  Facets     facets  = {.n = 0};
-  StrainRows rows    = {.n = 0};
+  StrainFits   fits    = {.scene  = scene,
+                          .normal = normal,
+                          .p      = p,
+                          .nb     = nb,
+                          .degree = PetscMin(degree, 3),
+                          .sets   = sets};
+  Corners      corners = {.fluid = NULL};
+  Sides        sides   = {.side = NULL};
+  Facets       facets  = {.n = 0};
+  StrainRows   rows    = {.n = 0};
   StrainCells *s;
 
   PetscFunctionBegin;
@@ -520,5 +527,37 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(PetscFree(sides.side));
   PetscCall(PetscFree(facets.first));
   PetscCall(PetscFree(facets.facet));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainDestroy - Frees the cells; not collective */
+PetscErrorCode StrainDestroy(StrainCells **cells)
+{
+  StrainCells *s = *cells;
+
+  PetscFunctionBegin;
+  if (!s) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(s->lattice.distance));
+  PetscCall(PetscFree(s->volume));
+  PetscCall(PetscFree(s->nu));
+  PetscCall(PetscFree(s->fluid));
+  PetscCall(PetscFree(s->mass));
+  PetscCall(PetscFree(s->strain));
+  PetscCall(PetscFree(s->rate));
+  for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
+    PetscCall(PetscFree(s->centre[q]));
+    PetscCall(PetscFree(s->first[q]));
+    PetscCall(PetscFree(s->j[q]));
+    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));
+    PetscCall(PetscFree(s->of[q]));
+    PetscCall(PetscFree2(s->at[q], s->cell[q]));
+  }
+  PetscCall(PetscFree(s->fluid_rows.row));
+  PetscCall(PetscFree(s->fluid_rows.col));
+  PetscCall(PetscFree(s->wall_rows.row));
+  PetscCall(PetscFree(s->wall_rows.col));
+  PetscCall(PetscFree(s->value[0]));
+  PetscCall(PetscFree(s->value[1]));
+  PetscCall(PetscFree(*cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,7 +16,7 @@
 #define FIT_MOST   160   /* particles around a point */
 #define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
-#define WALL_RIDGE 1e-10 /* of the normal equations, over their trace: points are in a plane */
+#define WALL_RIDGE 1e-13 /* of the normal equations, over their trace: points are in a plane */
 
 /* StrainFluidViscosity - Returns the viscosity of a fluid of the scene, the reference of the
    surrounding one [m^2/s]; not collective */
@@ -121,6 +121,7 @@ static PetscBool GivesComponent(const StrainFits *f, PetscInt j, PetscInt c)
   const PetscBool along =
       f->sets > 1 && PetscAbsReal(f->p->normal[c][j]) < 0.5 ? PETSC_TRUE : PETSC_FALSE;
 
+  if (f->normal && PetscAbsReal(f->p->normal[c][j]) < 1e-6) return PETSC_FALSE;
   return BoundaryEquation(f->scene, (PetscInt)f->p->side[j],
                           along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) == EQUATION_VALUE
              ? PETSC_TRUE
@@ -366,6 +367,7 @@ static PetscBool SideGives(const StrainFits *f, PetscInt side, PetscInt c)
   const PetscBool along =
       f->sets > 1 && side < 2 * f->p->dim && side / 2 != c ? PETSC_TRUE : PETSC_FALSE;
 
+  if (f->normal && along) return PETSC_FALSE;
   return BoundaryEquation(f->scene, side, along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) ==
                  EQUATION_VALUE
              ? PETSC_TRUE

@@ -93,7 +93,8 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Ne
   StrainCells *of[2] = {cells, NULL};
 
   PetscFunctionBegin;
-  PetscCall(StrainAssemble(scene, p, nb, 2.0 * CELL_EDGE, degree, cells->sets, &of[1]));
+  PetscCall(
+      StrainAssemble(scene, p, nb, 2.0 * CELL_EDGE, degree, cells->sets, PETSC_FALSE, &of[1]));
   StrainViscosities(scene, p, of[1]);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(error[a], p->n_fluid));
   for (PetscInt k = 0; k < 2; k++) {

@@ -93,15 +93,15 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses a direct solver on a single rank in 2D where the viscous form is cut at interfaces of
-   fluids: no field split holds with every ratio of their viscosities. */
+/* Chooses a direct solver on a single rank in 2D for a weak form, whose viscosities vary: no field
+   split holds with every ratio of them. */
 static PetscErrorCode DirectDefault(const Flow *flow)
 {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  if (ranks == 1 && flow->scene->dim == 2 && OperatorsCutFluids(flow->scene, flow->ops))
+  if (ranks == 1 && flow->scene->dim == 2 && flow->ops->forms.visc.row->weak)
     PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

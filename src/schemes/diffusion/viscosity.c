@@ -66,6 +66,7 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, RegimeWord(regime, REGIME_VISC_PC)));
+  if (flow->ops->forms.visc.row->weak) PetscCall(PCSetType(pc, PCBJACOBI)); /* AMG breaks down */
   if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault("visc_", "-sub_pc_type", PCLU));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
