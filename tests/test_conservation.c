@@ -114,6 +114,7 @@ static void test_conservation(void **state)
   for (PetscInt k = 0; k < LaplacianTable.count; k++) {
     const LaplacianRow *form = CloudLaplacian(k);
 
+    if (form->weak) continue; /* its cells fill the box, and its masses are not volumes */
     for (PetscInt dim = 2; dim <= 3; dim++) {
       Cloud cloud = CloudFree(form, dim);
 

@@ -205,17 +205,15 @@ static PetscBool HasCell(const Particles *p, const StrainCells *cells, PetscInt 
   return ParticlesHolds(p, x);
 }
 
-/* Assembles the splines at the cells of a fluid (-1: of all), cells -> splines. Input: part - if
-   given, splines without a number in it are left out. */
+/* Assembles the splines at the n own cells, cells -> splines; cells of fluids other than `fluid`
+   (-1: none) have an empty row. */
 static PetscErrorCode CellSplinesMat(const Particles *p, const Splines *s, const StrainCells *cells,
                                      PetscInt n, PetscInt fluid, Mat *P)
 {
-  const PetscScalar one = 1.0;
-  PetscInt          row = 0, *width;
-  PetscReal         x[ISPH_MAX_DIM];
+  PetscInt  row = 0, *width;
+  PetscReal x[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  (void)one;
   PetscCall(PetscCalloc1(n, &width));
   for (PetscInt c = 0; c < cells->n; c++)
     if (HasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
@@ -311,8 +309,8 @@ static PetscErrorCode DivideByMass(const Particles *p, const StrainCells *cells,
 
 /* Sets gamma to the penalty of the divergence in the part of each spline that a fluid has, over its
    volume: 0 unless the spline has two fluids. */
-static PetscErrorCode JumpPenalty(const Scene *scene, const Particles *p, const StrainCells *cells,
-                                  PetscInt n, Mat all, Mat part, PetscReal nu, Vec gamma)
+static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, Mat all, Mat part,
+                                  PetscReal nu, Vec gamma)
 {
   PetscInt     row = 0, end;
   PetscScalar *g, *m;
@@ -320,8 +318,6 @@ static PetscErrorCode JumpPenalty(const Scene *scene, const Particles *p, const 
   PetscReal    x[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  (void)scene;
-  (void)n;
   PetscCall(MatCreateVecs(all, &whole, &volume));
   PetscCall(VecGetArrayWrite(volume, &m));
   for (PetscInt c = 0; c < cells->n; c++)
@@ -371,7 +367,7 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
       nu = PetscMax(nu, k ? scene->region_nu[k - 1] : scene->nu);
     PetscCall(CellSplinesMat(p, s, cells, n, f, &part));
     PetscCall(MatCreateVecs(part, &gamma, NULL));
-    PetscCall(JumpPenalty(scene, p, cells, n, all, part, nu, gamma));
+    PetscCall(JumpPenalty(p, cells, all, part, nu, gamma));
     PetscCall(Gathered(part, T[0], &D[0]));
     if (T[1]) PetscCall(Gathered(part, T[1], &D[1]));
     PetscCall(MatTranspose(D[0], MAT_INITIAL_MATRIX, &back));

@@ -22,7 +22,7 @@ PetscReal StrainReach(const Scene *scene)
 
 /* Corners of the block of cells. */
 typedef struct {
-  PetscInt   n[ISPH_MAX_DIM], all;
+  PetscInt   all;
   PetscInt  *fluid; /* at each corner; NULL: one fluid */
   PetscReal *phi;   /* distance from its interface, at least 0 [m] */
 } Corners;
@@ -40,8 +40,7 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
 
   l->dim = p->dim;
   for (PetscInt a = 0; a < p->dim; a++) {
-    const PetscReal length = scene->hi[a] - scene->lo[a],
-                    reach  = (WHOLE_REACH + CELL_EDGE) * scene->dx;
+    const PetscReal length = scene->hi[a] - scene->lo[a], reach = (WHOLE_REACH + edge) * scene->dx;
     const PetscBool around = SceneIsPeriodic(scene, a);
     PetscInt        first, last;
 
