@@ -108,5 +108,6 @@ PetscErrorCode MatKeep(Mat A, const char name[], void *data, PetscErrorCode (*De
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows);
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A);
 PetscErrorCode SparseAdd(Mat X, Mat *Y);
+PetscErrorCode SparseAddProduct(Mat X, Mat Y, Mat sum);
 
 #endif

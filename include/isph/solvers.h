@@ -72,6 +72,10 @@ PetscErrorCode SolverSetUpGamg(KSP ksp);
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
+/* pairlaplacian.c */
+PetscErrorCode PairLaplacian(const Particles *particles, const Neighbors *neighbors, Vec row,
+                             const PetscReal nu[], Vec diagonal, const PetscReal given[], Mat *A);
+
 /* timestep.c */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);
 PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[]);
