@@ -92,7 +92,7 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt ro
 PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
                      PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
-                          PetscReal values[], Mat *A);
+                          PetscReal values[], Mat like, Mat *A);
 PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
 

@@ -283,6 +283,7 @@ PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
 PetscErrorCode LocalValues(const Particles *particles, Vec f, Vec walls, PetscInt step,
                            PetscReal value[]);
+PetscErrorCode FluidSumOwn(const Particles *p, Vec f, PetscBool squared, PetscReal *sum);
 PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
 PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);

@@ -426,6 +426,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   const KernelSize kernel = FormsKernel(&ops->forms);
   const PetscBool  weak =
       ops->needs & NEED_VISCOSITY && ops->forms.visc.row->weak ? PETSC_TRUE : PETSC_FALSE;
+  Mat like[2] = {NULL, NULL};
 
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
@@ -447,11 +448,13 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   for (PetscInt k = 0; k < count; k++) {
     if (!needed[k]->has_matrices) continue;
     if (ops->forms.components_coupled && needed[k] == &ops->velocity[0].visc) continue;
-    PetscCall(
-        PatternMat(p->comm, &ops->rows.fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
+    PetscCall(PatternMat(p->comm, &ops->rows.fluid, p->n_fluid, p->n_fluid, needed[k]->a, like[0],
+                         &needed[k]->A));
+    like[0] = needed[k]->A;
     if (!ops->forms.wall) continue;
-    PetscCall(
-        PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
+    PetscCall(PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, like[1],
+                         &needed[k]->B));
+    like[1] = needed[k]->B;
   }
   if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
   else if (weak) PetscCall(AssembleWeak(scene, p, nb, ops));

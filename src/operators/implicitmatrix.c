@@ -107,7 +107,7 @@ static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
   PetscCall(PetscArrayzero(entries->value, n));
   for (PetscInt s = 0; s < n; s++) entries->col[s] = Column(rows, s);
   pattern.col = entries->col;
-  PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, J));
+  PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, NULL, J));
   PetscCall(MatKeep(*J, "entries", entries, EntriesDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -257,10 +257,12 @@ PetscErrorCode StrainMatrices(const Scene *scene, const Particles *p, PetscBool 
   PetscFunctionBegin;
   PetscCall(ListCells(p, s));
   PetscCall(SetPatterns(p, s));
-  PetscCall(PatternMat(p->comm, &s->fluid_rows, d * p->n_fluid, d * p->n_fluid, s->value[0], A));
+  PetscCall(
+      PatternMat(p->comm, &s->fluid_rows, d * p->n_fluid, d * p->n_fluid, s->value[0], NULL, A));
   PetscCall(MatSetBlockSizes(*A, d, d));
   if (walls)
-    PetscCall(PatternMat(p->comm, &s->wall_rows, d * p->n_fluid, d * p->n_wall, s->value[1], B));
+    PetscCall(
+        PatternMat(p->comm, &s->wall_rows, d * p->n_fluid, d * p->n_wall, s->value[1], NULL, B));
   PetscCall(StrainScale(scene, p, s, *A, walls ? *B : NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

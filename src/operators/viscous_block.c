@@ -104,7 +104,8 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
 
   PetscFunctionBegin;
   PetscCall(BlockRowsCreate(p, SlotEntries(ops, d), pattern, &rows));
-  PetscCall(PatternMat(p->comm, &rows->pattern, rows->pattern.n, d * columns, rows->value, A));
+  PetscCall(
+      PatternMat(p->comm, &rows->pattern, rows->pattern.n, d * columns, rows->value, NULL, A));
   PetscCall(MatSetBlockSizes(*A, d, d));
   PetscCall(MatKeep(*A, "block_rows", rows, BlockRowsDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);

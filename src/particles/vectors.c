@@ -91,13 +91,9 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, weighted by ParticlesWeight()
-
-  Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
-  docs/theory.md, (119).
-*/
-PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
+/* FluidSumOwn - Sums f, or f^2 if `squared`, over the own fluid, weighted by ParticlesWeight(); not
+   collective */
+PetscErrorCode FluidSumOwn(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
   const PetscScalar *value;
   PetscReal          own = 0.0;
@@ -107,7 +103,21 @@ PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal 
   for (PetscInt i = 0; i < p->n_fluid; i++)
     own += ParticlesWeight(p, i) * (squared ? PetscSqr(value[i]) : value[i]);
   PetscCall(VecRestoreArrayRead(f, &value));
-  PetscCallMPI(MPI_Allreduce(&own, sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  *sum = own;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, see FluidSumOwn()
+
+  Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
+  docs/theory.md, (119).
+*/
+PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
+{
+  PetscFunctionBegin;
+  PetscCall(FluidSumOwn(p, f, squared, sum));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
