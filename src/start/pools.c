@@ -94,18 +94,66 @@ static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], Pe
   return even;
 }
 
+/* The midpoint rule in the box around a pool: cells of about dx, each with POINTS along an axis. */
+typedef struct {
+  PetscReal lo[ISPH_MAX_DIM], edge[ISPH_MAX_DIM];      /* low corner; edges of cells [m] */
+  PetscInt n[ISPH_MAX_DIM], points[ISPH_MAX_DIM], all; /* cells; points of a cell along axes, all */
+  PetscReal unit;                                      /* of sums in whole numbers, a point */
+} Quadrature;
+
+/* Computes the place of a part of a cell, in the middle for a single part along each axis. */
+static void PartAt(const Quadrature *q, PetscInt64 cell, const PetscInt parts[], PetscInt part,
+                   PetscReal x[])
+{
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    x[a] = q->lo[a] + q->edge[a] * (cell % q->n[a] + (part % parts[a] + 0.5) / parts[a]);
+    cell /= q->n[a];
+    part /= parts[a];
+  }
+}
+
+/* Returns the depth of x inside a pool and outside bodies [m]. */
+static PetscReal DepthInside(const Pools *pools, PetscInt pool, const PetscReal x[])
+{
+  PetscReal depth = -PETSC_INFINITY, normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
+    if (pools->of[k] == pool) depth = PetscMax(depth, SceneFilledDistance(pools->scene, k, x));
+  return PetscMin(depth, SceneDistance(pools->scene, x, &body, normal));
+}
+
+/* Returns the part of a cell in a pool, in whole numbers; no border is in a cell whose middle is
+   far from all of them, so that its points need not be visited. */
+static PetscInt64 SumCell(const Pools *pools, PetscInt pool, const Quadrature *q, PetscInt64 cell)
+{
+  const PetscInt  middle[ISPH_MAX_DIM] = {1, 1, 1};
+  const PetscReal s                    = q->edge[0] / POINTS;
+  PetscReal       x[ISPH_MAX_DIM], reach = 0.5 * s, depth;
+  PetscInt64      sum = 0;
+
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) reach += q->points[a] > 1 ? 0.5 * q->edge[a] : 0.0;
+  PartAt(q, cell, middle, 0, x);
+  depth = DepthInside(pools, pool, x);
+  if (depth >= reach) return (PetscInt64)q->unit * q->all;
+  for (PetscInt k = 0; k < q->all && depth > -reach; k++) {
+    PartAt(q, cell, q->points, k, x);
+    sum += (PetscInt64)(q->unit * PartInside(pools, pool, x, s) + 0.5);
+  }
+  return sum;
+}
+
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
    number, so that it does not depend on the number of ranks. A ball is a pool of its own, inside
    the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene   *scene = pools->scene;
-  PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
-  const PetscInt axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
-  PetscInt       n[ISPH_MAX_DIM] = {1, 1, 1}, cells;
-  PetscInt64     sum             = 0, rows;
-  PetscMPIInt    rank, ranks;
-  PetscReal      unit, points;
+  PetscReal      hi[ISPH_MAX_DIM];
+  Quadrature     q    = {.n = {1, 1, 1}, .points = {1, 1, 1}, .all = 1};
+  const PetscInt axes = BoxAround(pools, pool, q.lo, hi) ? 2 : 3;
+  PetscInt       cells, first, last;
+  PetscInt64     sum = 0;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
@@ -113,26 +161,18 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
     *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt a = 0; a < axes; a++) n[a] = (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
-  PetscCall(SceneCountCells(axes, n, &cells));
-  for (PetscInt a = 0; a < axes; a++) n[a] *= POINTS;
-  points = PetscPowRealInt(POINTS, axes) * cells;
-  unit   = (PetscReal)((PetscInt64)1 << (points < 4e9 ? 30 : 25)); /* the sum is less than 2^62 */
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  rows = (PetscInt64)n[1] * n[2];
-  for (PetscInt64 row = rows * rank / ranks; row < rows * (rank + 1) / ranks; row++) {
-    for (PetscInt column = 0; column < n[0]; column++) {
-      const PetscReal x[ISPH_MAX_DIM] = {lo[0] + (hi[0] - lo[0]) * (column + 0.5) / n[0],
-                                         lo[1] + (hi[1] - lo[1]) * (row % n[1] + 0.5) / n[1],
-                                         lo[2] + (hi[2] - lo[2]) * (row / n[1] + 0.5) / n[2]};
-
-      sum += (PetscInt64)(unit * PartInside(pools, pool, x, (hi[0] - lo[0]) / n[0]) + 0.5);
-    }
+  for (PetscInt a = 0; a < axes; a++) {
+    q.n[a]               = (PetscInt)PetscCeilReal((hi[a] - q.lo[a]) / scene->dx);
+    q.all *= q.points[a] = POINTS;
   }
+  PetscCall(SceneCountCells(axes, q.n, &cells));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) q.edge[a] = (hi[a] - q.lo[a]) / q.n[a];
+  q.unit = (PetscReal)((PetscInt64)1 << ((PetscReal)cells * q.all < 4e9 ? 30 : 25)); /* < 2^62 */
+  ParticlesShare(PETSC_COMM_WORLD, cells, &first, &last);
+  for (PetscInt cell = first; cell < last; cell++) sum += SumCell(pools, pool, &q, cell);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
-  *volume = (PetscReal)sum / unit;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) *volume *= (hi[a] - lo[a]) / n[a];
+  *volume = (PetscReal)sum / q.unit;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) *volume *= q.edge[a] / q.points[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
