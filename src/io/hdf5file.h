@@ -20,6 +20,7 @@ typedef struct {
   hid_t     file, transfer; /* the file; collective transfers */
   PetscBool failed;         /* a call has failed on this rank */
   PetscInt  start, own, N;  /* rows of this rank: the first, their number; rows of all ranks */
+  PetscInt  deflate;        /* compression of long data sets to be written, 0 (none) to 9 */
 } Hdf5File;
 
 PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5Format format, Hdf5File *file);
