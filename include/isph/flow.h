@@ -333,8 +333,8 @@ typedef struct {
 typedef struct {
   const SchemeRow *row;
   const TableRow  *variant; /* row for the report's column projection; NULL: none */
-  const Stage     *stage[SCHEME_MAX_STAGES]; /* those that apply */
-  PetscLogEvent    stage_event[SCHEME_MAX_STAGES];
+  const Stage     *stage[SCHEME_MAX_STAGES];     /* those that apply */
+  PetscLogStage    stage_log[SCHEME_MAX_STAGES]; /* without a log the main stage, 0 */
   PetscInt         n_stages;
   const Observer  *observer[SCHEME_MAX_OBSERVERS]; /* those that apply */
   PetscInt         n_observers;

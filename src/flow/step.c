@@ -88,9 +88,9 @@ PetscErrorCode FlowStep(Flow *flow)
   s->failure.code = PETSC_SUCCESS;
   for (PetscInt k = 0; k < s->n_observers; k++) PetscCall(s->observer[k]->Begin(flow));
   for (PetscInt k = 0; k < s->n_stages && !s->failure.code;) {
-    PetscCall(PetscLogEventBegin(s->stage_event[k], 0, 0, 0, 0));
+    PetscCall(PetscLogStagePush(s->stage_log[k]));
     PetscCall(s->stage[k]->Do(flow));
-    PetscCall(PetscLogEventEnd(s->stage_event[k], 0, 0, 0, 0));
+    PetscCall(PetscLogStagePop());
     PetscCall(FlowPartDone(flow, s->stage[k]->part, 0.0, NULL));
     PetscCall(AttemptNext(flow, &k));
   }

@@ -219,24 +219,24 @@ static PetscErrorCode ListObservers(Flow *flow)
 }
 
 /*
-  SchemeArrange - Chooses the stages and observers of the steps of a run, and registers the stages
-  for -log_view
+  SchemeArrange - Chooses the stages and observers of the steps of a run; the stages are stages of
+  -log_view too
 
   Collective. To be called when all parts of the run exist, before its first step.
 */
 PetscErrorCode SchemeArrange(Flow *flow)
 {
-  Scheme      *s = flow->scheme;
-  PetscClassId id;
+  Scheme   *s = flow->scheme;
+  PetscBool logs;
 
   PetscFunctionBegin;
-  PetscCall(PetscClassIdRegister("Stage", &id));
+  PetscCall(PetscLogIsActive(&logs));
   s->n_stages = 0;
   for (const Stage *const *stage = s->row->stages; *stage; stage++) {
     if ((*stage)->Applies && !(*stage)->Applies(flow)) continue;
     PetscCheck(s->n_stages < SCHEME_MAX_STAGES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
                "%s is one more than SCHEME_MAX_STAGES = %d", (*stage)->name, SCHEME_MAX_STAGES);
-    PetscCall(PetscLogEventRegister((*stage)->name, id, &s->stage_event[s->n_stages]));
+    if (logs) PetscCall(PetscLogStageRegister((*stage)->name, &s->stage_log[s->n_stages]));
     s->stage[s->n_stages++] = *stage;
   }
   PetscCall(ListObservers(flow));
