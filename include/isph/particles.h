@@ -87,7 +87,9 @@ typedef struct {
   PetscReal *dx;   /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */
-  PetscReal  cell_volume;           /* of the lattice of the reference spacing [m^dim] */
+  PetscReal *work; /* of own fluid beyond that of a particle inside it, a whole number (field): the
+                      balance of ranks counts it; NULL: all are equal */
+  PetscReal  cell_volume;    /* of the lattice of the reference spacing [m^dim] */
   PetscReal  weight;         /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
   PetscReal  weight_start;   /* the same at the start of the run [-] */
   PetscReal  weight_resized; /* the same of the volumes that ParticlesResize() found [-] */

@@ -1,13 +1,13 @@
 /*
   Recursive coordinate bisection: groups of ranks and their regions of space are halved until each
-  rank has a box. All boxes then hold about the same number of fluid particles. Histograms of their
+  rank has a box. All boxes then hold about the same work of fluid particles. Histograms of it over
   positions, summed over ranks, determine the cuts of all groups of a level together; no particle
-  migrates before all cuts are known.
+  migrates before all cuts are known. The work is counted, not timed, so that a run can be repeated.
 */
 #include "impl.h"
 
 #define BISECT_BINS      64   /* of one round's histogram */
-#define BISECT_IMBALANCE 1.1  /* max / mean of fluid particles above which new boxes are computed */
+#define BISECT_IMBALANCE 1.1  /* max / mean of the work above which new boxes are computed */
 #define BISECT_FINENESS  0.01 /* accuracy of a cut [dx] */
 
 /* A group of ranks [begin, end) whose region is to be cut. */
@@ -15,10 +15,16 @@ typedef struct {
   PetscInt  begin, end;
   PetscInt  axis;       /* normal to the cut */
   PetscReal low, width; /* first edge and width of the histogram's bins [m] */
-  PetscReal below;      /* particles below the first edge */
-  PetscReal target;     /* desired number of particles below the cut; negative: unknown */
-  PetscReal cut, miss;  /* best edge so far [m], and its deviation from the target [particles] */
+  PetscReal below;      /* work below the first edge */
+  PetscReal target;     /* desired work below the cut; negative: unknown */
+  PetscReal cut, miss;  /* best edge so far [m], and the deviation of the work from the target */
 } Group;
+
+/* Returns the work of own fluid particle i, in that of a particle inside the fluid. */
+static inline PetscInt WorkOf(const Particles *p, PetscInt i)
+{
+  return 1 + (p->work ? (PetscInt)p->work[i] : 0);
+}
 
 static inline PetscInt MiddleRank(PetscInt begin, PetscInt end)
 {
@@ -134,8 +140,8 @@ static inline PetscInt BinOf(const Group *g, PetscReal x)
   return k < 0 || k >= BISECT_BINS ? -1 : k;
 }
 
-/* Selects as the cut of a group the edge of its histogram below which the number of particles is
-   nearest to the target, and restricts the next histogram to the bin that holds the target. */
+/* Selects as the cut of a group the edge of its histogram below which the work is nearest to the
+   target, and restricts the next histogram to the bin that holds the target. */
 static void GroupZoom(Group *g, const PetscInt histogram[])
 {
   PetscReal below = g->below, next_low = g->low, next_below = g->below;
@@ -178,7 +184,7 @@ static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscI
 
     if (of[i] < 0) continue;
     bin = BinOf(&groups[of[i]], p->x[groups[of[i]].axis][i]);
-    if (bin >= 0) histogram[of[i] * BISECT_BINS + bin]++;
+    if (bin >= 0) histogram[of[i] * BISECT_BINS + bin] += WorkOf(p, i);
   }
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, histogram, n_groups * BISECT_BINS, MPIU_INT, MPI_SUM, p->comm));
@@ -243,21 +249,24 @@ static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks
 }
 
 /* Finds the owners of own particles by the present boxes, and the imbalance: the largest over the
-   mean number of fluid particles in a box. */
+   mean work of the fluid in a box. */
 static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt owner[],
                                  PetscReal *imbalance)
 {
-  PetscInt *load, most = 0;
+  PetscInt *load, most = 0, all = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(ranks, &load));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     owner[i] = OwnerOf(p, ranks, i);
-    if (i < p->n_fluid) load[owner[i]]++;
+    if (i < p->n_fluid) load[owner[i]] += WorkOf(p, i);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, load, ranks, MPIU_INT, MPI_SUM, p->comm));
-  for (PetscMPIInt r = 0; r < ranks; r++) most = PetscMax(most, load[r]);
-  *imbalance = (PetscReal)most * ranks / PetscMax(p->N_fluid, 1);
+  for (PetscMPIInt r = 0; r < ranks; r++) {
+    most = PetscMax(most, load[r]);
+    all += load[r];
+  }
+  *imbalance = (PetscReal)most * ranks / PetscMax(all, 1);
   PetscCall(PetscFree(load));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -277,7 +286,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 
   Notes:
   New boxes are computed in the first epoch, if p->redraw is set, and if a box holds more than 1.1
-  times the mean number of fluid particles. Along axes that are not periodic the outer boxes are
+  times the mean work of fluid particles. Along axes that are not periodic the outer boxes are
   infinite, because walls lie outside the scene's box.
 */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])

@@ -28,6 +28,8 @@
 #define BESIDE      1.2   /* distance to a rough particle at which a surface is rough too [dx] */
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
+#define SURFACE_WORK                                                                               \
+  3.0 /* of a particle on a surface beyond one inside: docs/results/scaling.md [-] */
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
@@ -245,13 +247,14 @@ static PetscErrorCode ClassifyParticles(const Scene *scene, const Particles *p, 
 }
 
 /* Finds out if a particle of any rank is on the surface, and if any is rough or paired: steps
-   without them exchange no velocities for pair forces. */
+   without them exchange no velocities for pair forces. Sets the work of particles. */
 static PetscErrorCode FindOnAnyRank(const Particles *p, FreeSurface *free)
 {
   PetscMPIInt any[2] = {0, 0};
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (p->work) p->work[i] = FreeSurfaceHolds(free, i) ? SURFACE_WORK : 0.0;
     if (FreeSurfaceHolds(free, i)) any[0] = 1;
     if (FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i)) any[1] = 1;
   }
