@@ -220,9 +220,11 @@ typedef struct AffineOperator {
 
 /* Layout of a block of operators, and its units: scale times the factors of rows and of columns. */
 typedef struct {
-  PetscInt  rows, cols; /* interlaced components: 1 or dim */
-  PetscReal scale;
-  Vec       row_units, col_units; /* NULL: 1 */
+  PetscInt         rows, cols; /* interlaced components: 1 or dim */
+  PetscReal        scale;
+  Vec              row_units, col_units; /* NULL: 1 */
+  const PetscReal *only; /* by local index: rows of 1 component, or else columns, of particles with
+                            0 have no entries; NULL: all have */
 } AffineLayout;
 
 /* AffineRow - Returns the weights of row i over fluid, in the order of the pattern; not

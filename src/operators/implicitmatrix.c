@@ -286,6 +286,7 @@ PetscErrorCode AffineBlock(const Particles *p, const OperatorRows *rows, const A
     const PetscInt i = r / by->rows, first = pattern->row[i];
 
     for (PetscInt s = first; s < pattern->row[i + 1]; s++) {
+      if (by->only && by->only[by->rows > 1 ? pattern->local[s] : i] == 0.0) continue;
       for (PetscInt c = 0; c < by->cols; c++) {
         const AffineOperator *of = &op[by->rows > 1 ? r % by->rows : c];
 

@@ -99,11 +99,11 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
   }
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
-  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){s->dim, 1, dx, momentum, s->pressure},
+  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){s->dim, 1, dx, momentum, s->pressure, NULL},
                         ops->grad_p, &s->G));
-  PetscCall(
-      AffineBlock(p, &ops->rows, &(AffineLayout){1, s->dim, dx, s->mass, NULL}, ops->div, &s->D));
-  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure},
+  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, s->dim, dx, s->mass, NULL, NULL},
+                        ops->div, &s->D));
+  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure, NULL},
                         &ops->filter_p, &s->C));
   PetscCall(SaddleReplaceGradient(flow, momentum, s));
   PetscCall(VecDestroy(&momentum));

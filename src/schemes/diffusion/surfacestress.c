@@ -9,80 +9,151 @@
   docs/theory.md, (157). With Z of the last velocity the same force is explicit. The sum of absolute
   weights of Z is up to 36/R, and steps of 0.1 dx^2/nu amplified disturbances of single particles:
   docs/theory.md, (330).
+
+  The product G Z has twice the entries of A: solvers that only multiply never form it.
 */
 #include "viscosity.h"
-
-/*
-  ViscosityHoldSurface - Makes the pressure of free surfaces a part of the viscous term, if it
-  depends on the velocity
-
-  Not collective. To be called before the first step, by schemes whose other forces leave this
-  pressure out. Surfaces have no such pressure where the viscosity varies, and with pair forces
-  everywhere.
-*/
-PetscErrorCode ViscosityHoldSurface(const Flow *flow, Viscosity *v)
-{
-  PetscFunctionBegin;
-  if (!v || !OperatorsStressSurface(flow->ops)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscNew(&v->surface));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* SurfaceStressFree - Frees the matrices; collective */
 PetscErrorCode SurfaceStressFree(SurfaceStress *s)
 {
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatDestroy(&s->term));
-  PetscCall(MatDestroy(&s->all));
+  PetscCall(MatDestroy(&s->Z));
+  PetscCall(MatDestroy(&s->G));
   PetscCall(VecDestroy(&s->boundary));
   s->assemblies = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates Z, without entries in the rows of other particles [Pa s/m]. */
-static PetscErrorCode StressCreate(const Flow *flow, Mat *Z)
-{
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
-  PetscInt        *inner, first, n_inner = 0;
-
-  PetscFunctionBegin;
-  PetscCall(AffineBlock(p, &flow->ops->rows,
-                        &(AffineLayout){1, p->dim, scene->rho * scene->nu, NULL, NULL},
-                        flow->ops->div, Z));
-  PetscCall(MatGetOwnershipRange(*Z, &first, NULL));
-  PetscCall(PetscMalloc1(p->n_fluid, &inner));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    if (!FreeSurfaceHolds(flow->ops->free, i)) inner[n_inner++] = first + i;
-  PetscCall(MatZeroRows(*Z, n_inner, inner, 0.0, NULL, NULL));
-  PetscCall(PetscFree(inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* SurfaceStressAssemble - Creates the matrices for the present operators; collective */
 PetscErrorCode SurfaceStressAssemble(const Viscosity *v)
 {
-  const Flow      *flow = v->flow;
-  const Operators *ops  = flow->ops;
-  const Particles *p    = flow->particles;
-  SurfaceStress   *s    = v->surface;
-  Mat              G, Z;
+  const Operators *ops   = v->flow->ops;
+  const Particles *p     = v->flow->particles;
+  const Scene     *scene = v->flow->scene;
+  SurfaceStress   *s     = v->surface;
+  const PetscReal *holds;
 
   PetscFunctionBegin;
   if (!s || s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SurfaceStressFree(s));
   s->assemblies = ops->assemblies;
+  holds         = ops->free->kind; /* SURFACE_INSIDE is 0 */
   PetscCall(AffineBlock(p, &ops->rows,
-                        &(AffineLayout){v->dim, 1, -1.0 / flow->scene->rho, NULL, NULL},
-                        ops->grad_p, &G));
-  PetscCall(StressCreate(flow, &Z));
-  PetscCall(MatMatMult(G, Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &s->term));
-  PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_COPY_VALUES, &s->all));
-  PetscCall(MatScale(s->all, flow->scene->nu));
-  PetscCall(SparseAdd(s->term, &s->all));
-  PetscCall(MatDestroy(&Z));
-  PetscCall(MatDestroy(&G));
+                        &(AffineLayout){1, v->dim, scene->rho * scene->nu, NULL, NULL, holds},
+                        ops->div, &s->Z));
+  PetscCall(AffineBlock(p, &ops->rows,
+                        &(AffineLayout){v->dim, 1, -1.0 / scene->rho, NULL, NULL, holds},
+                        ops->grad_p, &s->G));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SurfaceStressAdd - Adds the term of a velocity, scale times -G Z u/rho, to f; collective */
+PetscErrorCode SurfaceStressAdd(const Viscosity *v, PetscReal scale, Vec u, Vec f)
+{
+  Vec pressure;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(v->flow, &pressure));
+  PetscCall(MatMult(v->surface->Z, u, pressure));
+  PetscCall(VecScale(pressure, scale));
+  PetscCall(MatMultAdd(v->surface->G, pressure, f, f));
+  PetscCall(FlowRestoreWork(v->flow, &pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the viscous operator of all components. */
+static Mat Viscous(const Viscosity *v)
+{
+  return v->flow->ops->velocity[0].visc.A;
+}
+
+/* Computes y = shift u - (nu A - G Z/rho) u. */
+static PetscErrorCode ShellMult(Mat J, Vec u, Vec y)
+{
+  Viscosity *v;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, &v));
+  PetscCall(MatMult(Viscous(v), u, y));
+  PetscCall(VecAXPBY(y, v->shift, -v->flow->scene->nu, u));
+  PetscCall(SurfaceStressAdd(v, -1.0, u, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the diagonal without the term of the surface. */
+static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
+{
+  Viscosity *v;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, &v));
+  PetscCall(MatGetDiagonal(Viscous(v), diagonal));
+  PetscCall(VecScale(diagonal, -v->flow->scene->nu));
+  PetscCall(VecShift(diagonal, v->shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the matrix shift I - (nu A - G Z/rho), whose product G Z has many entries. */
+static PetscErrorCode Form(const Viscosity *v, PetscReal shift, Mat *J)
+{
+  Mat term;
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(Viscous(v), MAT_COPY_VALUES, J));
+  PetscCall(MatScale(*J, -v->flow->scene->nu));
+  PetscCall(MatShift(*J, shift));
+  PetscCall(MatMatMult(v->surface->G, v->surface->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &term));
+  PetscCall(MatScale(term, -1.0));
+  PetscCall(SparseAdd(term, J));
+  PetscCall(MatDestroy(&term));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SurfaceStressFlatten - Creates a matrix with the entries of a shell; collective */
+PetscErrorCode SurfaceStressFlatten(Mat J, Mat *flat)
+{
+  Viscosity *v;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, &v));
+  PetscCall(Form(v, v->shift, flat));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SurfaceStressJacobian - Creates a matrix for SurfaceStressSet(): a shell, or the sum of all
+   entries; collective */
+PetscErrorCode SurfaceStressJacobian(Viscosity *v, Mat *J)
+{
+  const PetscInt n = v->dim * v->flow->particles->n_fluid;
+
+  PetscFunctionBegin;
+  if (!v->shell) {
+    PetscCall(Form(v, 1.0, J));
+    PetscCall(MatConvert(*J, v->guard.mat_type, MAT_INPLACE_MATRIX, J));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatCreateShell(v->flow->particles->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, v, J));
+  PetscCall(MatShellSetOperation(*J, MATOP_MULT, (void (*)(void))ShellMult));
+  PetscCall(MatShellSetOperation(*J, MATOP_GET_DIAGONAL, (void (*)(void))ShellGetDiagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SurfaceStressSet - Computes J = shift I - (nu A - G Z/rho); a shell reads v->shift; collective */
+PetscErrorCode SurfaceStressSet(const Viscosity *v, PetscReal shift, Mat J)
+{
+  Mat sum;
+
+  PetscFunctionBegin;
+  if (v->shell) {
+    PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* tells solvers that J has changed */
+    PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Form(v, shift, &sum));
+  PetscCall(MatCopy(sum, J, SAME_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -61,7 +61,7 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
     if (Viscous(v, 0)->B) PetscCall(VecAXPY(f, 1.0, v->boundary));
   }
   PetscCall(VecScale(f, v->flow->scene->nu));
-  if (v->surface) PetscCall(MatMultAdd(v->surface->term, u, f, f));
+  if (v->surface) PetscCall(SurfaceStressAdd(v, 1.0, u, f));
   if (v->surface && v->surface->boundary) PetscCall(VecAXPY(f, 1.0, v->surface->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -163,16 +163,6 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes P = shift I - (nu A - G Z/rho). */
-static PetscErrorCode SetWithSurface(const SurfaceStress *s, PetscReal shift, Mat P)
-{
-  PetscFunctionBegin;
-  PetscCall(MatCopy(s->all, P, SAME_NONZERO_PATTERN));
-  PetscCall(MatScale(P, -1.0));
-  PetscCall(MatShift(P, shift));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
   viscosities or the advecting velocity may be new
@@ -195,7 +185,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   }
   if (!v->nonlinear && shift == v->shift && visc == v->operator_of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
-  if (v->surface) PetscCall(SetWithSurface(v->surface, shift, P));
+  if (v->surface) PetscCall(SurfaceStressSet(v, shift, P));
   else PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
   if (v->convection) {
     PetscCall(FlowGetWork(v->flow, &work));

@@ -155,7 +155,8 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));
   v->shell = multiplies && diagonal && same && linear && !v->nonlinear &&
-                     !v->flow->state->implicit_convection && v->flow->ops->velocity[0].visc.rows &&
+                     !v->flow->state->implicit_convection &&
+                     (v->surface || v->flow->ops->velocity[0].visc.rows) &&
                      !KspViewsHaveMatrix(&v->guard.ksp_views)
                  ? PETSC_TRUE
                  : PETSC_FALSE;
@@ -165,7 +166,7 @@ static PetscErrorCode ChooseShell(Viscosity *v)
     PetscCall(PetscOptionsHasName(NULL, "visc_", shows[k], &given));
     if (given) v->shell = PETSC_FALSE;
   }
-  v->guard.Flatten = v->shell ? AffineSystemFlatten : NULL;
+  if (v->shell) v->guard.Flatten = v->surface ? SurfaceStressFlatten : AffineSystemFlatten;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -173,6 +174,10 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
 
   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
+  Surfaces have a pressure of the velocity unless the viscosity varies.
+
+  Input: with_surface - the pressure of free surfaces is part of the viscous term, if it depends on
+  the velocity; for schemes whose other forces leave this pressure out.
 
   Options Database Keys:
 . -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - PETSc's options of TS, SNES, KSP and PC
@@ -180,17 +185,18 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   Errors: refuses TS types without a row in ViscousIntegratorTable, options by which the TS would
   control time, and multistep types if particles move or steps can be undone
 */
-PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
+PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc)
 {
   Viscosity   *v;
   LinearSolve *solve;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&v));
-  v->dim         = flow->scene->dim;
-  v->systems     = flow->ops->forms.components_coupled ? 1 : v->dim;
-  v->nonlinear   = SceneIsNewtonian(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
-  v->flow        = flow;
+  v->dim       = flow->scene->dim;
+  v->systems   = flow->ops->forms.components_coupled ? 1 : v->dim;
+  v->nonlinear = SceneIsNewtonian(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
+  v->flow      = flow;
+  if (with_surface && OperatorsStressSurface(flow->ops)) PetscCall(PetscNew(&v->surface));
   v->guard.inner = v->nonlinear;
   v->guard.Check = v->nonlinear ? IterationCheck : NULL;
   solve          = &v->guard.solve;
@@ -317,8 +323,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   v->assemblies = ops->assemblies;
   if (v->shell && v->J) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
-  if (v->surface)
-    PetscCall(MatConvert(v->surface->all, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
+  if (v->surface) PetscCall(SurfaceStressJacobian(v, &v->J));
   else
     PetscCall(
         AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));

@@ -12,8 +12,8 @@ extern const OptionTable ViscosityOptions;
 
 /* The pressure of free surfaces as a part of the viscous term, see surfacestress.c. */
 typedef struct {
-  Mat      term;       /* -G Z/rho [1/s] */
-  Mat      all;        /* nu A - G Z/rho [1/s] */
+  Mat      Z;          /* pressure of the velocity, on the surface only [Pa s/m] */
+  Mat      G;          /* acceleration by this pressure, -grad/rho [1/(kg/m^2)] */
   Vec      boundary;   /* wall part of -G Z u/rho; NULL without walls [m/s^2] */
   PetscInt assemblies; /* stamp of the operators in the matrices */
 } SurfaceStress;
@@ -70,7 +70,7 @@ struct Viscosity {
   const Vec *force, *advecting;
 };
 
-PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc);
+PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc);
 PetscErrorCode ViscosityDestroy(Viscosity **visc);
 PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *visc);
@@ -78,9 +78,12 @@ PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
 
 /* surfacestress.c */
-PetscErrorCode ViscosityHoldSurface(const Flow *flow, Viscosity *visc);
 PetscErrorCode SurfaceStressAssemble(const Viscosity *visc);
 PetscErrorCode SurfaceStressBoundary(const Viscosity *visc);
+PetscErrorCode SurfaceStressAdd(const Viscosity *visc, PetscReal scale, Vec u, Vec f);
+PetscErrorCode SurfaceStressFlatten(Mat J, Mat *flat);
+PetscErrorCode SurfaceStressJacobian(Viscosity *visc, Mat *J);
+PetscErrorCode SurfaceStressSet(const Viscosity *visc, PetscReal shift, Mat J);
 PetscErrorCode SurfaceStressFree(SurfaceStress *surface);
 
 /* iteration.c */

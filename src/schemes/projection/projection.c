@@ -19,8 +19,8 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
   Projection *pr = (Projection *)flow->scheme->data;
 
   PetscFunctionBegin;
-  if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(flow, &pr->visc));
-  if (pr->row && pr->row->incremental) PetscCall(ViscosityHoldSurface(flow, pr->visc));
+  if (SceneHas(flow->scene, PHYSICS_VISCOSITY))
+    PetscCall(ViscosityCreate(flow, pr->row && pr->row->incremental, &pr->visc));
   if (pr->spacing > 0.0) PetscCall(SplinesCreate(flow, pr->spacing, &pr->splines));
   if (pr->row) pr->space = pr->splines ? &PressureOnSplines : &PressureOnParticles;
   if (pr->row) PetscCall(PressureCreate(flow, &pr->ppe));

@@ -31,7 +31,7 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscCall(PetscClassIdRegister("Wcsph", &id));
   PetscCall(PetscLogEventRegister("PairRates", id, &w->event));
   PetscCall(WcsphCreateIntegrator(flow, w));
-  if (w->implicit) PetscCall(ViscosityCreate(flow, &w->visc));
+  if (w->implicit) PetscCall(ViscosityCreate(flow, PETSC_FALSE, &w->visc));
   UserCheck(!flow->ops->forms.wall || !flow->ops->forms.wall->dynamic || w->density->sums,
             "-wall %s: densities of its walls are sums over the fluid, which needs -density_form "
             "summation",
