@@ -53,18 +53,27 @@ static PetscErrorCode NormalDiagonal(Mat N, Vec diagonal)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a matrix of compact rows. */
-static PetscErrorCode CreateMatrix(const Particles *p, Mat *A)
+/* Creates a matrix of compact rows, with their room. */
+static PetscErrorCode CreateMatrix(const Particles *p, const CompactRows *rows, Mat *A)
 {
-  const PetscInt width = p->dim == 2 ? 14 : 36;
+  const PetscInt first = p->fluid_start, last = first + p->n_fluid;
+  PetscInt      *own, *other; /* entries of a row in columns of this rank, and of others */
 
   PetscFunctionBegin;
+  PetscCall(PetscCalloc2(p->n_fluid, &own, p->n_fluid, &other));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt k = rows->row[i]; k < rows->row[i + 1]; k++) {
+      const PetscInt column = p->row[rows->col[k]];
+
+      if (column < first || column >= last) other[i]++;
+    }
+    own[i] = rows->row[i + 1] - rows->row[i] + 1 - other[i];
+  }
   PetscCall(MatCreate(p->comm, A));
   PetscCall(MatSetSizes(*A, p->n_fluid, p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetType(*A, MATAIJ));
-  PetscCall(MatSeqAIJSetPreallocation(*A, width, NULL));
-  PetscCall(MatMPIAIJSetPreallocation(*A, width, NULL, width, NULL));
-  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(MatXAIJSetPreallocation(*A, 1, own, other, NULL, NULL));
+  PetscCall(PetscFree2(own, other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +128,8 @@ static PetscErrorCode SetDiagonal(const Particles *p, const CompactRows *rows, G
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GradientsCreate(const Flow *flow, const CompactRows *rows, Gradients *g)
+/* Creates the gradients from the slopes of compact rows, and frees these. */
+static PetscErrorCode GradientsCreate(const Flow *flow, CompactRows *rows, Gradients *g)
 {
   const Particles *p = flow->particles;
 
@@ -129,11 +139,12 @@ static PetscErrorCode GradientsCreate(const Flow *flow, const CompactRows *rows,
   PetscCall(VecDuplicate(g->volume, &g->diagonal));
   PetscCall(VecDuplicate(g->volume, &g->slope));
   PetscCall(VecDuplicate(g->volume, &g->product));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(CreateMatrix(p, &g->G[a]));
-    PetscCall(SetGradient(flow, rows, a, g->G[a]));
-  }
   PetscCall(SetDiagonal(p, rows, g));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(CreateMatrix(p, rows, &g->G[a]));
+    PetscCall(SetGradient(flow, rows, a, g->G[a]));
+    PetscCall(PetscFree(rows->slope[a]));
+  }
   PetscCall(
       MatCreateShell(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, g, &g->N));
   PetscCall(MatShellSetOperation(g->N, MATOP_MULT, (void (*)(void))NormalMult));
@@ -176,7 +187,7 @@ static PetscErrorCode CreateLaplacian(const Particles *p, const CompactRows *row
                                       const PetscReal *nu, PetscReal rate, Mat *A)
 {
   PetscFunctionBegin;
-  PetscCall(CreateMatrix(p, A));
+  PetscCall(CreateMatrix(p, rows, A));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal V   = ParticlesWeight(p, i);
     PetscReal       own = V * rate;
@@ -266,8 +277,9 @@ static PetscReal AgeRate(const Flow *flow)
   return 1.0 / age;
 }
 
-/* DefectError - Computes the root mean square of the error e of the velocity [m/s]; collective */
-PetscErrorCode DefectError(const Flow *flow, const Defect *d, PetscReal *error)
+/* DefectError - Computes the root mean square of the error e of the velocity [m/s], and frees the
+   slopes of d; collective */
+PetscErrorCode DefectError(const Flow *flow, Defect *d, PetscReal *error)
 {
   const Particles *p   = flow->particles;
   PetscReal        sum = 0.0, part;
