@@ -31,7 +31,7 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LOOSE = re.compile(r"wall time|M/s|^isph: step ")  # numbers that depend on the computer, or of a flow that diverged
+LOOSE = re.compile(r"wall time|M/s|^isph: step |^memory ")  # numbers that depend on the computer, or of a flow that diverged
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 # Options of other programs; beginnings of PETSc's options.

@@ -308,6 +308,10 @@ typedef struct {
 typedef struct Attempt Attempt;
 typedef struct Splines Splines;
 
+/* Flows whose memory differs, see src/io/machinememory.c: fixed particles whose rows repeat, other
+   fixed ones, moving ones, and those of free surfaces. */
+typedef enum { MEMORY_EVEN, MEMORY_FIXED, MEMORY_MOVING, MEMORY_FREE, MEMORY_KINDS } MemoryKind;
+
 /*
   A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
   and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and creates
@@ -326,8 +330,9 @@ typedef struct {
   PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
   PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
   PetscErrorCode (*Destroy)(Flow *flow);
-  const Stage *const *stages; /* in their order; NULL ends the list */
-  const Judge *const *judges; /* in their order; NULL ends the list */
+  const Stage *const *stages;                  /* in their order; NULL ends the list */
+  const Judge *const *judges;                  /* in their order; NULL ends the list */
+  PetscReal           memory[2][MEMORY_KINDS]; /* of a fluid particle in 2D and 3D [kB] */
 } SchemeRow;
 
 typedef struct {

@@ -54,6 +54,12 @@ typedef struct {
   PetscReal layer;             /* thickness of sheared layers beside rigid parts; 0: none [dx] */
 } Trust;
 
+/* Memory of a run, see src/io/machinememory.c. */
+typedef struct {
+  PetscReal particle, run, machine; /* of a particle; of all ranks on a machine; that it has [B] */
+} MachineMemory;
+PetscErrorCode MachineMemoryCheck(const Flow *flow, PetscReal particles, MachineMemory *need);
+
 struct Report {
   Quantity *quantity;
   PetscInt  n, capacity;
@@ -145,6 +151,6 @@ PetscErrorCode          ProgressCreate(Progress **progress);
 PetscErrorCode          ProgressDestroy(Progress **progress);
 PetscErrorCode          ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
 
-PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer);
+PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscViewer viewer);
 
 #endif

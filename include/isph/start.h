@@ -4,6 +4,7 @@
 
 #include "isph/particles.h"
 
+PetscReal      ParticlesExpect(const Scene *scene);
 PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                              Particles *particles);
 

@@ -355,12 +355,15 @@ static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
   BannerView - Prints the choices of the run before its first step
 
   Collective on the viewer. Called when all options are read and the clock has chosen the length of
-  the first step.
+  the first step. Input: need - memory, of MachineMemoryCheck().
 */
-PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
+PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(BannerCase(flow, viewer));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, BANNER_LABEL "about %.3g GB of the machine's %.3g GB, %.3g kB a particle\n", "memory",
+      (double)(1e-9 * need->run), (double)(1e-9 * need->machine), (double)(1e-3 * need->particle)));
   PetscCall(BannerViscosity(flow->scene, viewer));
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(RegimeView(flow->scene->regime, viewer));

@@ -19,6 +19,7 @@ typedef struct {
   MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: none */
   MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
+  MachineMemory  memory;
   PetscLogDouble started;           /* wall clock [s] */
   PetscLogStage  stage[RUN_STAGES]; /* without a log the main stage, 0 */
 } Run;

@@ -33,8 +33,9 @@ static PetscErrorCode RunEnter(const Run *run, RunStage stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates clock, scheme and operators from options, before particles exist. */
-static PetscErrorCode RunChoose(Run *run)
+/* Creates clock, scheme and operators from options, before particles exist. Input: given - number
+   of given fluid particles. */
+static PetscErrorCode RunChoose(Run *run, PetscInt given)
 {
   Flow    *flow = &run->flow;
   unsigned probes;
@@ -47,6 +48,8 @@ static PetscErrorCode RunChoose(Run *run)
   PetscCall(MonitorsNeeds(&probes));
   PetscCall(OperatorsCreate(
       flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots) | probes, &flow->ops));
+  PetscCall(MachineMemoryCheck(flow, given ? (PetscReal)given : ParticlesExpect(flow->scene),
+                               &run->memory));
   PetscCall(SchemeSetUp(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,7 +107,7 @@ PetscErrorCode RunCreate(Run *run)
 
   PetscFunctionBegin;
   PetscCall(StartRead(run->flow.scene, &start, path));
-  PetscCall(RunChoose(run));
+  PetscCall(RunChoose(run, start.N));
   PetscCall(RunFill(run, path, &start));
   PetscCall(StartFree(&start));
   PetscCall(RunOpenFiles(run));
@@ -349,7 +352,7 @@ static PetscErrorCode RunShowBanner(Run *run)
 
   PetscFunctionBegin;
   PetscCall(SchemeChooseStep(&run->flow));
-  PetscCall(BannerView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(BannerView(&run->flow, &run->memory, PETSC_VIEWER_STDOUT_WORLD));
   run->flow.clock->dt = last;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

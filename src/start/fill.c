@@ -90,6 +90,50 @@ static PetscErrorCode LeaveBuriedWalls(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if fluid is at x, in a filled region from `first` on and in none before it. */
+static PetscBool IsFirst(const Scene *scene, PetscInt first, const PetscReal x[])
+{
+  PetscReal normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt k = 0; k < first; k++)
+    if (SceneFilledDistance(scene, k, x) >= 0.0) return PETSC_FALSE;
+  if (scene->n_filled && SceneFilledDistance(scene, first, x) < 0.0) return PETSC_FALSE;
+  return SceneDistance(scene, x, &body, normal) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* ParticlesExpect - Estimates the number of fluid particles at the start by the midpoint rule in
+   the box around each filled region, or in that of the scene; not collective */
+PetscReal ParticlesExpect(const Scene *scene)
+{
+  const PetscInt points = scene->dim == 2 ? 64 : 24;
+  PetscReal      number = 0.0;
+
+  for (PetscInt k = 0; k < PetscMax(scene->n_filled, 1); k++) {
+    PetscReal span[ISPH_MAX_DIM][2], volume = 1.0;
+    PetscInt  n = 1;
+
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      span[a][0] = scene->lo[a];
+      span[a][1] = scene->hi[a];
+      if (scene->n_filled) BodySpan(&scene->filled[k], a, span[a]);
+      span[a][0] = PetscMax(span[a][0], scene->lo[a]);
+      span[a][1] = PetscMin(span[a][1], scene->hi[a]);
+      volume *= PetscMax(span[a][1] - span[a][0], 0.0) / points;
+      n *= points;
+    }
+    for (PetscInt q = 0; q < n; q++) {
+      PetscReal x[ISPH_MAX_DIM] = {0.0};
+      PetscInt  rest            = q;
+
+      for (PetscInt a = 0; a < scene->dim; a++, rest /= points)
+        x[a] = span[a][0] + (span[a][1] - span[a][0]) * (rest % points + 0.5) / points;
+      if (IsFirst(scene, k, x)) number += volume / SceneVolumeAt(scene, x);
+    }
+  }
+  return number;
+}
+
 /* Creates particles whose spacing is a function of place, or that do not fill the box. */
 static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Particles *p)
 {

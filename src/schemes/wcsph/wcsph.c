@@ -242,4 +242,5 @@ const SchemeRow SchemeWcsph = {
     .Destroy  = WcsphDestroy,
     .stages   = WcsphStages,
     .judges   = judges,
+    .memory   = {{1.5, 1.5, 1.5, 1.5}, {3.5, 3.5, 3.5, 3.5}},
 };
