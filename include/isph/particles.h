@@ -158,6 +158,7 @@ PetscErrorCode ParticlesRemove(const Scene *scene, Particles *particles, PetscIn
 PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
 PetscInt       ParticlesRankAt(const Particles *particles, const PetscReal x[]);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
+PetscErrorCode ParticlesHaloComponents(const Particles *particles, PetscReal *const values[]);
 PetscErrorCode ParticlesHaloVectors(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
 PetscErrorCode ParticlesCountRepeated(const Particles *particles, PetscInt n,

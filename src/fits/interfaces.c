@@ -248,7 +248,7 @@ PetscErrorCode InterfacesUpdateHalo(Particles *p)
   PetscFunctionBegin;
   if (!p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesHaloField(p, p->interface));
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloField(p, p->interface_normal[a]));
+  PetscCall(ParticlesHaloComponents(p, p->interface_normal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -226,7 +226,7 @@ PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
   if (SceneMoves(flow->scene) || flow->ops->free)
     PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
   else PetscCall(NeighborsSearch(p, flow->neighbors));
-  for (PetscInt c = 0; c < p->dim; c++) PetscCall(ParticlesHaloField(p, p->u[c]));
+  PetscCall(ParticlesHaloComponents(p, p->u));
   PetscCall(AddParticles(flow, &sums, &worst));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums, (PetscMPIInt)(sizeof(sums) / sizeof(PetscReal)),

@@ -75,7 +75,7 @@ PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moves_in, 1, MPIU_BOOL, MPI_LOR, p->comm));
   if (!moves_in) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesUpdateHalo(p));
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloField(p, p->u[a]));
+  PetscCall(ParticlesHaloComponents(p, p->u));
   PetscCall(CellsBuild(p, NEAR * scene->dx, &cells));
   PetscCall(PetscMalloc1(cells.n, &list));
   for (PetscInt w = p->n_fluid; w < ParticlesOwn(p); w++) {

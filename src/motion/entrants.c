@@ -140,7 +140,7 @@ static PetscErrorCode FindSlopes(const Flow *flow, PetscInt n, Entrants *all)
   PetscInt  *list;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloField(p, p->u[a]));
+  PetscCall(ParticlesHaloComponents(p, p->u));
   PetscCall(CellsBuild(p, NEAR * flow->scene->dx, &cells));
   PetscCall(PetscMalloc1(cells.n, &list));
   for (PetscInt k = 0; k < n; k++) {

@@ -109,6 +109,16 @@ static PetscErrorCode SplitRowsDestroy(void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if all columns of row i are own ones, from `start` to before `end`: so are those of
+   most rows, and columns ascend. */
+static inline PetscBool RowIsOwn(const Pattern *pattern, PetscInt i, PetscInt start, PetscInt end)
+{
+  const PetscInt first = pattern->row[i], last = pattern->row[i + 1] - 1;
+
+  return first > last || (pattern->col[first] >= start && pattern->col[last] < end) ? PETSC_TRUE
+                                                                                    : PETSC_FALSE;
+}
+
 /* Creates a MATMPIAIJ from rows that are split beforehand, which needs no copies. Own columns begin
    with the global number `start`. */
 static PetscErrorCode SplitMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
@@ -158,10 +168,19 @@ static PetscErrorCode SplitMatSet(const Pattern *pattern, const PetscReal values
   PetscCall(MatMPIAIJGetSeqAIJ(A, &part[0], &part[1], NULL));
   PetscCall(MatGetOwnershipRangeColumn(A, &start, &end));
   for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJGetArrayWrite(part[k], &to[k]));
-  for (PetscInt s = 0; s < pattern->row[pattern->n]; s++) {
-    const PetscInt k = pattern->col[s] >= start && pattern->col[s] < end ? 0 : 1;
+  for (PetscInt i = 0; i < pattern->n; i++) {
+    const PetscInt length = pattern->row[i + 1] - pattern->row[i];
 
-    to[k][n[k]++] = values[s];
+    if (RowIsOwn(pattern, i, start, end)) {
+      PetscCall(PetscArraycpy(to[0] + n[0], values + pattern->row[i], length));
+      n[0] += length;
+      continue;
+    }
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
+      const PetscInt k = pattern->col[s] >= start && pattern->col[s] < end ? 0 : 1;
+
+      to[k][n[k]++] = values[s];
+    }
   }
   for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJRestoreArrayWrite(part[k], &to[k]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -244,10 +244,9 @@ PetscErrorCode ParticlesUpdateHalo(Particles *particles)
   const PetscInt own = ParticlesOwn(p), n_halo = ParticlesAll(p) - own;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(ParticlesHaloField(p, p->x[a]));
+  PetscCall(ParticlesHaloComponents(p, p->x));
+  for (PetscInt a = 0; a < p->dim; a++)
     for (PetscInt k = 0; k < n_halo; k++) p->x[a][own + k] += p->halo_shift[a][k];
-  }
   p->moved++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -276,5 +275,23 @@ PetscErrorCode ParticlesHaloVectors(const Particles *p, PetscReal values[])
 {
   PetscFunctionBegin;
   PetscCall(HaloCopy(p, p->vector, values, values + p->dim * ParticlesOwn(p)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ParticlesHaloComponents - Copies dim arrays of own particles to the halo, see
+   ParticlesHaloField(), with one message to each rank; collective */
+PetscErrorCode ParticlesHaloComponents(const Particles *p, PetscReal *const values[])
+{
+  const PetscInt own = ParticlesOwn(p), all = ParticlesAll(p), d = p->dim;
+  PetscReal     *together;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(d * all, &together));
+  for (PetscInt a = 0; a < d; a++)
+    for (PetscInt i = 0; i < own; i++) together[i * d + a] = values[a][i];
+  PetscCall(ParticlesHaloVectors(p, together));
+  for (PetscInt a = 0; a < d; a++)
+    for (PetscInt i = own; i < all; i++) values[a][i] = together[i * d + a];
+  PetscCall(PetscFree(together));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -107,7 +107,7 @@ PetscErrorCode WallVelocities(Wcsph *w)
     for (PetscInt a = 0; a < p->dim; a++)
       w->local.u[a][i] += p->depth[i] * (rise[a] - normal * p->normal[a][i]);
   }
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloField(p, w->local.u[a]));
+  PetscCall(ParticlesHaloComponents(p, w->local.u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -293,10 +293,9 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(w->event, 0, 0, 0, 0));
   PetscCall(WallValuesSetVelocity(flow->scene, p, w->t, 0.0, &flow->walls));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+  for (PetscInt a = 0; a < flow->scene->dim; a++)
     for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) l->u[a][i] = p->u[a][i];
-    PetscCall(ParticlesHaloField(p, l->u[a]));
-  }
+  PetscCall(ParticlesHaloComponents(p, l->u));
   if (w->wall_start) PetscCall(WallVelocities(w));
   PetscCall(WcsphSetDensity(flow, w));
   Pack(p, flow->scene->rho, l);
