@@ -169,6 +169,32 @@ PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const 
                     const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
                     PetscReal *const w[]);
 
+#define NEAREST_LEAST    84 /* most particles with which a fit of the nearest begins */
+#define NEAREST_TIMES    3  /* times as many if their weights are large */
+#define NEAREST_CAPACITY ((NEAREST_TIMES + 1) * NEAREST_LEAST)
+
+/* Fits of the nearest particles at 2^dim points; the arrays are those of PointFits(). */
+typedef struct {
+  PetscInt  n[POINT_FITS]; /* particles in each */
+  PetscBool fits[POINT_FITS];
+  PetscReal R[POINT_FITS]; /* [m] */
+  PetscInt  j[POINT_FITS * NEAREST_CAPACITY];
+  PetscReal s[ISPH_MAX_DIM][POINT_FITS * NEAREST_CAPACITY];
+  PetscReal W[POINT_FITS * NEAREST_CAPACITY], w[POINT_FITS * NEAREST_CAPACITY];
+} NearestFits;
+typedef PetscErrorCode (*NearestFill)(void *ctx, PetscInt i, PetscInt wanted, NearestFits *f,
+                                      PetscBool *more);
+
+/* Returns the weight in a fit of a particle at the distance r, over the radius. */
+static inline PetscReal NearestWeight(PetscReal r)
+{
+  return PetscSqr(PetscSqr(1.0 - r)) * (1.0 + 4.0 * r);
+}
+PetscBool      NearestTakesMore(PetscInt least, PetscInt wanted, PetscBool more, PetscReal sum);
+PetscErrorCode NearestFitsCompute(PetscInt dim, PetscInt degree, PetscInt least,
+                                  const PetscBool todo[], NearestFill Fill, void *ctx,
+                                  NearestFits *f);
+
 /* Computes the image Y of a position X, relative to a particle, in those planes near the particle
    that are bits of `set`, one after another. */
 static inline void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[],

@@ -6,74 +6,44 @@
 */
 #include "splines.h"
 
-#define FIT_MOST        3   /* times as many if their weights are large */
-#define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
-
-#define FIT_CAPACITY ((FIT_MOST + 1) * SPLINE_NEAREST)
-
-/* Fits of a component at the points of a cell; the arrays are those of PointFits(). */
-typedef struct {
-  PetscInt  n[POINT_FITS]; /* particles in each */
-  PetscReal R[POINT_FITS]; /* [m] */
-  PetscInt  j[POINT_FITS * FIT_CAPACITY];
-  PetscReal s[ISPH_MAX_DIM][POINT_FITS * FIT_CAPACITY];
-  PetscReal W[POINT_FITS * FIT_CAPACITY], w[POINT_FITS * FIT_CAPACITY];
-} Fits;
-
 /* A fit of all components at a point; the arrays are those of VectorFit(). */
 typedef struct {
-  PetscInt  n, j[ISPH_MAX_DIM * FIT_CAPACITY];
-  PetscReal s[ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY], W[ISPH_MAX_DIM * FIT_CAPACITY];
-  PetscReal w[ISPH_MAX_DIM * ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY];
-  PetscBool wall[ISPH_MAX_DIM * FIT_CAPACITY];
-  PetscReal normal[ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY];
+  PetscInt  n, j[ISPH_MAX_DIM * NEAREST_CAPACITY];
+  PetscReal s[ISPH_MAX_DIM][ISPH_MAX_DIM * NEAREST_CAPACITY], W[ISPH_MAX_DIM * NEAREST_CAPACITY];
+  PetscReal w[ISPH_MAX_DIM * ISPH_MAX_DIM][ISPH_MAX_DIM * NEAREST_CAPACITY];
+  PetscBool wall[ISPH_MAX_DIM * NEAREST_CAPACITY];
+  PetscReal normal[ISPH_MAX_DIM][ISPH_MAX_DIM * NEAREST_CAPACITY];
 } CoupledFit;
 
-/* Returns the weight of a particle at the distance r, over the radius. */
-static inline PetscReal FitWeight(PetscReal r)
-{
-  return PetscSqr(PetscSqr(1.0 - r)) * (1.0 + 4.0 * r);
-}
+/* Particles around a cell, for the fits of a component. */
+typedef struct {
+  Flow         *flow;
+  SplineAround *around;
+  PetscInt      component;
+  PetscReal     reach[POINT_FITS]; /* of the last search about each point [m] */
+} Search;
 
-/* Fills the arrays of the fit at point i with the particles found. */
-static void FillFit(const Particles *p, PetscInt i, const SplineAround *around, Fits *f)
+/* Sets the fit of the `wanted` nearest particles at point i; input: ctx - a Search. */
+static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *f, PetscBool *more)
 {
-  const PetscInt  m       = 1 << p->dim;
-  const PetscReal inverse = 1.0 / f->R[i];
+  Search             *search = (Search *)ctx;
+  const SplineAround *around = search->around;
+  const PetscInt      m      = around->m;
+  PetscReal           inverse;
 
+  PetscFunctionBegin;
+  PetscCall(SplineNearest(search->flow, i, search->component, wanted, search->around,
+                          &search->reach[i], &f->n[i], &f->R[i], more));
+  inverse = 1.0 / f->R[i];
   for (PetscInt e = 0; e < f->n[i]; e++) {
     const PetscInt k = around->found[e];
 
     f->j[e * m + i] = around->j[k];
-    f->W[e * m + i] = FitWeight(PetscSqrtReal(around->r2[k]) * inverse);
-    for (PetscInt a = 0; a < p->dim; a++)
+    f->W[e * m + i] = NearestWeight(PetscSqrtReal(around->r2[k]) * inverse);
+    for (PetscInt a = 0; a < search->flow->particles->dim; a++)
       f->s[a][e * m + i] = around->stretch[a][i] * (around->x[a][k] - around->at[a][i]) * inverse;
   }
-}
-
-/* Returns the largest number of particles in a fit, and pads the others with the weight zero. */
-static PetscInt PadFits(PetscInt dim, Fits *f)
-{
-  const PetscInt m       = 1 << dim;
-  PetscInt       longest = 0;
-
-  for (PetscInt i = 0; i < m; i++) longest = PetscMax(longest, f->n[i]);
-  for (PetscInt i = 0; i < m; i++) {
-    for (PetscInt k = f->n[i]; k < longest; k++) {
-      f->W[k * m + i] = 0.0;
-      for (PetscInt a = 0; a < dim; a++) f->s[a][k * m + i] = 0.0;
-    }
-  }
-  return longest;
-}
-
-/* Returns the sum of the absolute weights of fit i. */
-static PetscReal SumOfWeights(PetscInt m, PetscInt i, const Fits *f)
-{
-  PetscReal sum = 0.0;
-
-  for (PetscInt k = 0; k < f->n[i]; k++) sum += PetscAbsReal(f->w[k * m + i]);
-  return sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns the largest sum of the absolute weights of a component. */
@@ -113,22 +83,8 @@ static void SetCoupledMean(PetscInt dim, CoupledFit *f)
   }
 }
 
-/*
-  Returns true if a fit of `wanted` particles needs more
-
-  The nearest particles may lie near a conic section, on which a quadratic function vanishes. Then
-  the weights are large and amplify the velocities: a fit of 14 with a sum of 22 spoilt the flow of
-  64 x 64 particles within a step.
-
-  Input: found - so many are within reach; sum - of the absolute weights, infinity without a fit.
-*/
-static PetscBool TakesMore(PetscInt least, PetscInt wanted, PetscBool found, PetscReal sum)
-{
-  return found && sum > FIT_LARGEST_SUM && wanted < FIT_MOST * least ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Sets the weights of fit i to those of a mean. */
-static void SetMean(PetscInt m, PetscInt i, Fits *f)
+static void SetMean(PetscInt m, PetscInt i, NearestFits *f)
 {
   PetscReal sum = 0.0;
 
@@ -138,45 +94,17 @@ static void SetMean(PetscInt m, PetscInt i, Fits *f)
 
 /* Computes the fits of component c at the points of a cell that have a flag. */
 static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[],
-                                   SplineAround *around, Fits *f)
+                                   SplineAround *around, NearestFits *f)
 {
-  const Particles *p = flow->particles;
-  const PetscInt   m = 1 << p->dim, degree = flow->ops->forms.degree,
-                 least = SplineLeast(p->dim, degree);
-  PetscReal *s[ISPH_MAX_DIM], reach[POINT_FITS];
-  PetscInt   wanted[POINT_FITS], left = 0; /* wanted 0: the fit is done */
-  PetscBool  fits[POINT_FITS], found[POINT_FITS];
+  const PetscInt dim = flow->particles->dim, degree = flow->ops->forms.degree;
+  Search         search = {.flow = flow, .around = around, .component = c};
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) s[a] = f->s[a];
-  for (PetscInt i = 0; i < m; i++) {
-    f->n[i]   = 0;
-    wanted[i] = i < around->m && todo[i] ? least : 0;
-    reach[i]  = 0.0;
-    left += wanted[i] ? 1 : 0;
-  }
-  while (left) {
-    for (PetscInt i = 0; i < m; i++) {
-      if (!wanted[i]) continue;
-      PetscCall(
-          SplineNearest(flow, i, c, wanted[i], around, &reach[i], &f->n[i], &f->R[i], &found[i]));
-      FillFit(p, i, around, f);
-    }
-    PointFits(p->dim, degree, PadFits(p->dim, f), s, f->W, f->w, fits);
-    for (PetscInt i = 0; i < m; i++) {
-      if (!wanted[i]) continue;
-      if (TakesMore(least, wanted[i], found[i], fits[i] ? SumOfWeights(m, i, f) : PETSC_INFINITY)) {
-        wanted[i] += least / 3;
-      } else {
-        wanted[i] = 0;
-        left--;
-      }
-    }
-  }
-  for (PetscInt i = 0; i < m; i++) { /* flags of the last pass, which computes all fits */
-    if (!f->n[i] || fits[i]) continue;
+  PetscCall(NearestFitsCompute(dim, degree, SplineLeast(dim, degree), todo, Fill, &search, f));
+  for (PetscInt i = 0; i < around->m; i++) {
+    if (!f->n[i] || f->fits[i]) continue;
     flow->ops->regularised_rows++;
-    SetMean(m, i, f);
+    SetMean(around->m, i, f);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -204,7 +132,7 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
 
       f->j[e]    = around->j[k];
       f->wall[e] = around->wall[k];
-      f->W[e]    = FitWeight(PetscSqrtReal(around->r2[k]) / R);
+      f->W[e]    = NearestWeight(PetscSqrtReal(around->r2[k]) / R);
       for (PetscInt a = 0; a < dim; a++) {
         f->s[a][e]      = around->stretch[a][i] * (around->x[a][k] - around->at[a][i]) / R;
         f->normal[a][e] = f->wall[e] ? p->normal[a][f->j[e]] : 0.0;
@@ -214,7 +142,7 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
     size = VectorFit(dim, degree, LanesPadded(f->n), s, f->W, f->wall, normal, w)
                ? LargestSum(dim, f)
                : PETSC_INFINITY;
-    if (!TakesMore(least, wanted, found, size)) break;
+    if (!NearestTakesMore(least, wanted, found, size)) break;
   }
   if (size < PETSC_INFINITY) PetscFunctionReturn(PETSC_SUCCESS);
   flow->ops->regularised_rows++;
@@ -224,10 +152,10 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
 
 /* Fits at the points of a cell. */
 typedef struct {
-  PetscBool  oblique[POINT_FITS];              /* point i has a coupled fit */
-  PetscInt   shared[ISPH_MAX_DIM][POINT_FITS]; /* component whose fit serves component c */
-  Fits       component[ISPH_MAX_DIM];
-  CoupledFit all[POINT_FITS];
+  PetscBool   oblique[POINT_FITS];              /* point i has a coupled fit */
+  PetscInt    shared[ISPH_MAX_DIM][POINT_FITS]; /* component whose fit serves component c */
+  NearestFits component[ISPH_MAX_DIM];
+  CoupledFit  all[POINT_FITS];
 } CellFits;
 
 /* Computes all fits in a cell. Beside walls each component has a fit of its own; elsewhere they
@@ -281,9 +209,9 @@ static PetscErrorCode AddFit(PetscInt a, PetscInt b, PetscInt g, PetscInt n, Pet
 static PetscErrorCode AddComponent(PetscInt dim, PetscInt a, PetscInt i, PetscInt g,
                                    const CellFits *cell, SplineFits *f)
 {
-  const PetscInt    m = 1 << dim, shared = cell->shared[a][i];
-  const Fits       *fit = &cell->component[a];
-  const CoupledFit *all = &cell->all[i];
+  const PetscInt     m = 1 << dim, shared = cell->shared[a][i];
+  const NearestFits *fit = &cell->component[a];
+  const CoupledFit  *all = &cell->all[i];
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < dim; b++) {

@@ -420,8 +420,7 @@ PetscErrorCode SplineRowsCompute(const Splines *s, const Particles *p, SplineRow
 
 /* ---- splinesearch.c: particles around the points of quadrature in a cell of the splines ---- */
 
-#define SPLINE_ALL     (-1) /* components of the velocity */
-#define SPLINE_NEAREST 84   /* most particles with which a fit begins */
+#define SPLINE_ALL (-1) /* components of the velocity */
 
 /* Points of quadrature in a cell, and the particles around them in ascending order. */
 typedef struct {

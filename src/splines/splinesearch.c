@@ -44,7 +44,7 @@ static PetscBool IsOblique(const Particles *p, PetscInt j)
    in 2D, and 10, 20, 35 in 3D; not collective */
 PetscInt SplineLeast(PetscInt dim, PetscInt degree)
 {
-  static const PetscInt least[2][MLS_MAX_DEGREE - 1] = {{14, 22, 34}, {28, 50, SPLINE_NEAREST}};
+  static const PetscInt least[2][MLS_MAX_DEGREE - 1] = {{14, 22, 34}, {28, 50, NEAREST_LEAST}};
 
   return least[dim - 2][degree - 2];
 }

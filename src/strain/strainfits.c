@@ -12,7 +12,6 @@
 #include "strain.h"
 
 #define FIT_REACH  3.3   /* largest radius of a fit [dx] */
-#define FIT_SUM    2.5   /* of absolute weights, above which a fit takes more particles */
 #define FIT_MOST   160   /* particles around a point */
 #define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
@@ -92,15 +91,16 @@ static PetscErrorCode EndRow(StrainRows *rows)
 
 /* Particles and points of interfaces around a point, nearest first. */
 typedef struct {
-  PetscInt  n, j[FIT_MOST]; /* -1 - row of StrainFits.feet for points of interfaces */
+  PetscInt  dim, n, j[FIT_MOST]; /* -1 - row of StrainFits.feet for points of interfaces */
   PetscReal s[ISPH_MAX_DIM][FIT_MOST], r2[FIT_MOST]; /* offsets and their squares [m], [m^2] */
 } Around;
 
 /* Adds a candidate in the order of distances; the farthest are dropped if there are too many. */
-static void AddAround(PetscInt dim, PetscInt j, const PetscReal s[], Around *around)
+static void AddAround(PetscInt j, const PetscReal s[], Around *around)
 {
-  PetscReal r2 = 0.0;
-  PetscInt  k;
+  const PetscInt dim = around->dim;
+  PetscReal      r2  = 0.0;
+  PetscInt       k;
 
   for (PetscInt a = 0; a < dim; a++) r2 += s[a] * s[a];
   if (around->n == FIT_MOST && r2 >= around->r2[FIT_MOST - 1]) return;
@@ -142,7 +142,6 @@ static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, Pet
 {
   const Particles *p = f->p;
 
-  around->n = 0;
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j = list[k];
     PetscReal      y[ISPH_MAX_DIM];
@@ -162,148 +161,60 @@ static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, Pet
       for (PetscInt a = 0; a < p->dim; a++) y[a] = p->x[a][j];
     }
     for (PetscInt a = 0; a < p->dim; a++) y[a] -= x[a];
-    AddAround(p->dim, code, y, around);
+    AddAround(code, y, around);
   }
 }
 
-/* The arrays of PointFits() for the points of a group. */
-typedef struct {
-  PetscInt  n[POINT_FITS];
-  PetscReal s[ISPH_MAX_DIM][POINT_FITS * FIT_MOST];
-  PetscReal W[POINT_FITS * FIT_MOST], w[POINT_FITS * FIT_MOST];
-  Around    around[POINT_FITS];
-} Group;
-
-/* Fills the arrays for a fit of the `wanted` nearest at point i. Their radius is the distance of
-   the next, or a little more than that of the last. */
-static void FillFit(PetscInt dim, PetscInt i, PetscInt wanted, Group *g)
+/* Sets the fit of the `wanted` nearest at point i. Their radius is the distance of the next, or a
+   little more than that of the last. Input: ctx - particles around the points. */
+static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *f, PetscBool *more)
 {
-  const PetscInt  m      = 1 << dim;
-  const Around   *around = &g->around[i];
-  const PetscBool all    = around->n <= wanted ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal       R;
+  const Around   *around = &((const Around *)ctx)[i];
+  const PetscInt  d = around->dim, m = 1 << d, n = PetscMin(around->n, wanted);
+  const PetscReal R = wanted < around->n ? PetscSqrtReal(around->r2[wanted])
+                                         : 1.05 * PetscSqrtReal(around->r2[n - 1]);
 
-  g->n[i] = PetscMin(around->n, wanted);
-  if (!g->n[i]) return;
-  R = all ? 1.05 * PetscSqrtReal(around->r2[g->n[i] - 1]) : PetscSqrtReal(around->r2[wanted]);
-  for (PetscInt k = 0; k < g->n[i]; k++) {
-    const PetscReal r = PetscSqrtReal(around->r2[k]) / R;
-
-    g->W[k * m + i] = PetscSqr(PetscSqr(1.0 - r)) * (1.0 + 4.0 * r);
-    for (PetscInt a = 0; a < dim; a++) g->s[a][k * m + i] = around->s[a][k] / R;
+  f->n[i] = n;
+  *more   = wanted < around->n ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) {
+    f->W[k * m + i] = NearestWeight(PetscSqrtReal(around->r2[k]) / R);
+    for (PetscInt a = 0; a < d; a++) f->s[a][k * m + i] = around->s[a][k] / R;
   }
+  return PETSC_SUCCESS;
 }
 
-/* Pads the fits of a group with the weight zero; returns the largest number of points. */
-static PetscInt PadFits(PetscInt dim, Group *g)
+/* Computes the fits at the points of a group: where the particles do not determine them, linear
+   ones, at last the value of the nearest particle. Input: spare - work. */
+static PetscErrorCode FitGroup(PetscInt dim, PetscInt degree, Around around[], NearestFits *g,
+                               NearestFits *spare)
 {
-  const PetscInt m       = 1 << dim;
-  PetscInt       longest = 0;
+  static const PetscInt least[2][3] = {{7, 14, 21}, {11, 28, 42}};
+  const PetscInt        m           = 1 << dim;
+  PetscBool             todo[POINT_FITS], linear[POINT_FITS];
 
-  for (PetscInt i = 0; i < m; i++) longest = PetscMax(longest, g->n[i]);
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < m; i++) todo[i] = around[i].n ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(NearestFitsCompute(dim, degree, least[dim - 2][degree - 1], todo, Fill, around, g));
+  for (PetscInt i = 0; i < m; i++) linear[i] = todo[i] && !g->fits[i] ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(NearestFitsCompute(dim, 1, least[dim - 2][0], linear, Fill, around, spare));
   for (PetscInt i = 0; i < m; i++) {
-    for (PetscInt k = g->n[i]; k < longest; k++) {
-      g->W[k * m + i] = 0.0;
-      for (PetscInt a = 0; a < dim; a++) g->s[a][k * m + i] = 0.0;
-    }
-  }
-  return longest;
-}
-
-/* Returns the number of particles with which a fit begins. */
-static PetscInt Least(PetscInt dim, PetscInt degree)
-{
-  static const PetscInt least[2][2] = {{7, 14}, {11, 28}};
-
-  return degree > 2 ? 3 * least[dim - 2][1] / 2 : least[dim - 2][degree - 1];
-}
-
-/* Returns the sum of the absolute weights of the fit at point i of a group. */
-static PetscReal SumOfWeights(PetscInt m, PetscInt i, const Group *g)
-{
-  PetscReal sum = 0.0;
-
-  for (PetscInt k = 0; k < g->n[i]; k++) sum += PetscAbsReal(g->w[k * m + i]);
-  return sum;
-}
-
-/* Computes the fits of a degree at the points of a group that have a flag, from their lists. The
-   flag of a fit that is determined is taken away. */
-static void FitPoints(PetscInt dim, PetscInt degree, PetscBool todo[], Group *g)
-{
-  const PetscInt m = 1 << dim, least = Least(dim, degree);
-  PetscReal     *s[ISPH_MAX_DIM];
-  PetscInt       wanted[POINT_FITS], left = 0;
-  PetscBool      grows[POINT_FITS], fits[POINT_FITS];
-
-  for (PetscInt a = 0; a < dim; a++) s[a] = g->s[a];
-  for (PetscInt i = 0; i < m; i++) {
-    wanted[i] = least;
-    grows[i]  = todo[i];
-    left += todo[i] ? 1 : 0;
-  }
-  while (left) {
-    for (PetscInt i = 0; i < m; i++)
-      if (grows[i]) FillFit(dim, i, wanted[i], g);
-    PointFits(dim, degree, PadFits(dim, g), s, g->W, g->w, fits);
-    left = 0;
-    for (PetscInt i = 0; i < m; i++) {
-      if (!grows[i]) continue;
-      grows[i] = (!fits[i] || SumOfWeights(m, i, g) > FIT_SUM) && wanted[i] < g->around[i].n &&
-                         wanted[i] < 4 * least
-                     ? PETSC_TRUE
-                     : PETSC_FALSE;
-      if (!grows[i]) todo[i] = fits[i] ? PETSC_FALSE : PETSC_TRUE;
-      else wanted[i] += PetscMax(1, least / 3);
-      left += grows[i] ? 1 : 0;
-    }
-  }
-}
-
-/* Copies the fit at point i from another group. */
-static void CopyFit(PetscInt m, PetscInt i, const Group *from, Group *to)
-{
-  to->n[i] = from->n[i];
-  for (PetscInt k = 0; k < from->n[i]; k++) to->w[k * m + i] = from->w[k * m + i];
-}
-
-/* Computes the fits at the points of a group: where the points do not determine them, linear ones,
-   at last the value of the nearest point. Input: spare - work. */
-static void FitGroup(PetscInt dim, PetscInt degree, Group *g, Group *spare)
-{
-  const PetscInt m = 1 << dim;
-  PetscBool      todo[POINT_FITS], linear[POINT_FITS];
-  PetscInt       left = 0;
-
-  for (PetscInt i = 0; i < m; i++) {
-    todo[i] = g->around[i].n ? PETSC_TRUE : PETSC_FALSE;
-    g->n[i] = spare->n[i] = 0;
-  }
-  FitPoints(dim, degree, todo, g);
-  for (PetscInt i = 0; i < m; i++) {
-    linear[i]        = todo[i];
-    spare->around[i] = g->around[i];
-    left += todo[i] ? 1 : 0;
-  }
-  if (!left) return;
-  FitPoints(dim, 1, linear, spare);
-  for (PetscInt i = 0; i < m; i++) {
-    if (!todo[i]) continue;
-    CopyFit(m, i, spare, g);
     if (!linear[i]) continue;
-    g->n[i] = 1;
-    g->w[i] = 1.0;
+    g->n[i] = spare->fits[i] ? spare->n[i] : 1;
+    for (PetscInt k = 0; k < g->n[i]; k++)
+      g->w[k * m + i] = spare->fits[i] ? spare->w[k * m + i] : 1.0;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the fit at point i of a group as a row; points of interfaces stand for their own rows. */
-static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Group *g, StrainRows *rows)
+static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *around,
+                             const NearestFits *g, StrainRows *rows)
 {
   const PetscInt m = 1 << f->p->dim;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < g->n[i]; k++) {
-    const PetscInt  j = g->around[i].j[k];
+    const PetscInt  j = around->j[k];
     const PetscReal w = g->w[k * m + i];
 
     if (j >= 0) {
@@ -326,7 +237,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
 {
   const Particles *p = f->p;
   const PetscInt   d = p->dim, terms = d + 1;
-  Around           around = {.n = 0};
+  Around           around = {.dim = p->dim};
   PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, R2;
 
   PetscFunctionBegin;
@@ -336,7 +247,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
     if (!ParticlesIsWall(p, list[k]) || (PetscInt)p->side[list[k]] != side) continue;
     ParticlesWallPoint(p, list[k], y);
     for (PetscInt a = 0; a < d; a++) y[a] -= x[a];
-    AddAround(d, list[k], y, &around);
+    AddAround(list[k], y, &around);
   }
   if (around.n > 2 * d) around.n = 2 * d;
   R2 = around.n ? 1.2 * around.r2[around.n - 1] : 0.0;
@@ -384,7 +295,8 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
   const Particles *p   = f->p;
   const PetscInt   dim = p->dim, m = 1 << dim, most = f->nb->cells.n + 1, all = points->n * f->sets;
   const PetscReal  reach = FIT_REACH * p->dx[0] + 0.5 * f->nb->margin;
-  Group           *g, *spare;
+  NearestFits     *g, *spare;
+  Around           around[POINT_FITS];
   PetscInt        *list;
 
   PetscFunctionBegin;
@@ -400,23 +312,24 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
       PetscReal      x[ISPH_MAX_DIM];
       PetscInt       n;
 
-      g->around[i].n = 0;
-      on_wall[i]     = PETSC_FALSE;
+      around[i].dim = dim;
+      around[i].n   = 0;
+      on_wall[i]    = PETSC_FALSE;
       if (first + i >= all) continue;
       on_wall[i] = points->side[k] >= 0 && SideGives(f, points->side[k], c);
       for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
       if (on_wall[i]) continue;
       PetscCall(CellsFind(&f->nb->cells, x, reach, most, list, &n));
-      Gather(f, x, points->fluid[k], c, n, list, &g->around[i]);
+      Gather(f, x, points->fluid[k], c, n, list, &around[i]);
     }
-    FitGroup(dim, f->degree, g, spare);
+    PetscCall(FitGroup(dim, f->degree, around, g, spare));
     for (PetscInt i = 0; i < m && first + i < all; i++) {
       const PetscInt k = (first + i) / f->sets;
       PetscReal      x[ISPH_MAX_DIM];
       PetscInt       n;
 
       if (!on_wall[i]) {
-        PetscCall(AddFit(f, i, g, rows));
+        PetscCall(AddFit(f, i, &around[i], g, rows));
         continue;
       }
       for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
