@@ -58,11 +58,6 @@ typedef struct {
   PetscReal strain[STRAIN_MOST]; /* S_k [1/s] */
   PetscReal slope;               /* theta_k nu'(g_k)/g_k [m^2 s] */
 } StressPoint;
-void      StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], StressPoint *point,
-                       PetscReal sum[2]);
-PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], PetscReal share,
-                     const StressPoint *point);
-PetscReal StressChange(PetscInt dim, const PetscReal dS[], const StressPoint *point);
 
 /* The stresses at all points of this rank. */
 typedef struct {
@@ -95,6 +90,15 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
                           PetscReal values[], Mat like, Mat *A);
 PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
+
+/* The rows of a matrix of blocks, whose arrays it uses on a single rank. */
+typedef struct {
+  Pattern    pattern; /* without local indices */
+  PetscReal *value;
+} BlockRows;
+PetscErrorCode BlockRowsMat(const Particles *particles, PetscInt entries, const Pattern *pattern,
+                            PetscInt columns, Mat *A);
+PetscErrorCode BlockRowsGet(Mat A, BlockRows **rows);
 
 /* Sparse matrices from rows with ascending columns. PETSc inserts the entries of such rows one by
    one, which takes longer than the computation of most of them. Own rows of a matrix, compressed;

@@ -29,6 +29,12 @@ typedef struct {
   PetscReal *distance; /* of the corners of the block from bodies; NULL: none [m] */
 } StrainLattice;
 
+/* The particles that share a cell with own fluid particle i: [start[i], start[i + 1]). */
+typedef struct {
+  PetscInt  n, room, *start;
+  PetscInt *local, *slot; /* local index, and place among the columns of i */
+} StrainList;
+
 typedef struct StrainCells StrainCells;
 
 struct StrainCells {
@@ -42,11 +48,10 @@ struct StrainCells {
   PetscInt  *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
   PetscReal *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
   PetscInt   n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
-  PetscReal *mass;                  /* of own fluid: integral of its weight in the fits [m^dim] */
-  PetscReal *strain;                /* E of cell c for the last velocity: dim^2 values each [1/s] */
-  PetscReal *rate;                  /* sqrt(2 E:E) [1/s] */
-  Pattern    fluid_rows, wall_rows; /* of A and B, component by component */
-  PetscReal *value[2];              /* in their order */
+  PetscReal *mass;    /* of own fluid: integral of its weight in the fits [m^dim] */
+  PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
+  StrainList list[2]; /* fluid, walls */
   /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
@@ -57,13 +62,12 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, co
                               StrainCells **cells);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
-PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, StrainCells *cells,
+PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, const StrainCells *cells,
                            Mat A, Mat B);
 PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const Vec walls[],
                                 StrainCells *cells);
 void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);
 PetscErrorCode StrainFollow(const Scene *scene, Particles *particles, StrainCells *cells);
-PetscErrorCode StrainSpread(Particles *particles, StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 PetscErrorCode StrainDestroy(StrainCells **cells);

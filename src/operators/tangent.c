@@ -172,10 +172,10 @@ static PetscErrorCode StrainAtPoints(const StressTangent *t, const Vec u[], cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StressFollow - Linearises the stress of a point about S, and adds |s - tau(S)|^2/2 and
-   |tau(S)|^2/2 to sum, s: stress at S of the linearisation before; not collective */
-void StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], StressPoint *at,
-                  PetscReal sum[2])
+/* Linearises the stress of a point about S, and adds |s - tau(S)|^2/2 and
+   |tau(S)|^2/2 to sum, s: stress at S of the linearisation before. */
+static void StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], StressPoint *at,
+                         PetscReal sum[2])
 {
   const PetscInt  parts  = dim * (dim + 1) / 2;
   const PetscReal square = HalfProduct(dim, S, S), rate = PetscSqrtReal(square);
@@ -193,10 +193,10 @@ void StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[], Stress
   for (PetscInt e = 0; e < parts; e++) at->strain[e] = S[e];
 }
 
-/* StressWork - Returns the work (tau - s):(S - S_k)/2 at a point, with the stress tau at S_k +
-   share (S - S_k) and the stress s that the solve for S has balanced; not collective */
-PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], PetscReal share,
-                     const StressPoint *point)
+/* Returns the work (tau - s):(S - S_k)/2 at a point, with the stress tau at S_k +
+   share (S - S_k) and the stress s that the solve for S has balanced. */
+static PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], PetscReal share,
+                            const StressPoint *point)
 {
   const PetscInt   parts = dim * (dim + 1) / 2;
   const PetscReal *old   = point->strain;
@@ -208,12 +208,6 @@ PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S[], Pet
   nu = RheologyViscosity(law, PetscSqrtReal(HalfProduct(dim, at, at)));
   for (PetscInt e = 0; e < parts; e++) error[e] = nu * at[e] - point->nu * S[e] - d * old[e];
   return HalfProduct(dim, error, change);
-}
-
-/* StressChange - Returns dnu = theta nu'(g)/g S_k:dS/2 at a point [m^2/s]; not collective */
-PetscReal StressChange(PetscInt dim, const PetscReal dS[], const StressPoint *point)
-{
-  return point->slope * HalfProduct(dim, point->strain, dS);
 }
 
 /*
@@ -357,7 +351,11 @@ PetscErrorCode TangentApplyAdd(StressTangent *t, PetscReal scale, const Vec v[],
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(t->n * parts, &S));
   PetscCall(StrainAtPoints(t, v, NULL, S));
-  for (PetscInt i = 0; i < t->n; i++) t->change[i] = StressChange(dim, &S[i * parts], &t->point[i]);
+  for (PetscInt i = 0; i < t->n; i++) {
+    const StressPoint *at = &t->point[i];
+
+    t->change[i] = at->slope * HalfProduct(dim, at->strain, &S[i * parts]);
+  }
   PetscCall(PetscFree(S));
   if (!t->ops->strain) PetscCall(ParticlesHaloField(p, t->change));
   for (PetscInt c = 0; c < dim; c++) PetscCall(VecGetArray(y[c], &to[c]));

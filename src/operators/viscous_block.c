@@ -20,34 +20,6 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
   return ops->velocity[0].visc.width == 1 ? 1 : dim;
 }
 
-/* The rows of a matrix of blocks, whose arrays it uses on a single rank. */
-typedef struct {
-  Pattern    pattern; /* without local indices */
-  PetscReal *value;
-} BlockRows;
-
-static PetscErrorCode BlockRowsDestroy(void *ctx)
-{
-  BlockRows *rows = (BlockRows *)ctx;
-
-  PetscFunctionBegin;
-  PetscCall(PatternFree(&rows->pattern));
-  PetscCall(PetscFree(rows->value));
-  PetscCall(PetscFree(rows));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the rows of a matrix of ViscousBlockMat(). */
-static PetscErrorCode BlockRowsGet(Mat A, BlockRows **rows)
-{
-  PetscContainer container;
-
-  PetscFunctionBegin;
-  PetscCall(PetscObjectQuery((PetscObject)A, "block_rows", (PetscObject *)&container));
-  PetscCall(PetscContainerGetPointer(container, (void **)rows));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
    wall data from WallWeights(). The slot of the diagonal has the particle's own weight; a neighbour
    that is its periodic image has none. Not collective. */
@@ -67,58 +39,16 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   for (PetscInt e = 0; e < width; e++) a[diagonal * width + e] = width > 1 ? st->own[e] : 0.0;
 }
 
-/* Computes the rows of a matrix of dim x dim blocks on a pattern, with zeros. The entries of a slot
-   in each of the dim rows of a particle follow each other, and columns ascend. */
-static PetscErrorCode BlockRowsCreate(const Particles *p, PetscInt entries, const Pattern *pattern,
-                                      BlockRows **rows)
-{
-  const PetscInt d = p->dim, n = d * entries * pattern->row[p->n_fluid];
-  Pattern       *blocks;
-  PetscInt       q = 0;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(rows));
-  PetscCall(PetscCalloc1(n, &(*rows)->value));
-  blocks = &(*rows)->pattern;
-  PetscCall(PetscMalloc1(d * p->n_fluid + 1, &blocks->row));
-  PetscCall(PetscMalloc1(n, &blocks->col));
-  blocks->n      = d * p->n_fluid;
-  blocks->row[0] = 0;
-  for (PetscInt r = 0; r < blocks->n; r++) {
-    const PetscInt i = r / d, first = entries == 1 ? r % d : 0;
-
-    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++)
-      for (PetscInt b = 0; b < entries; b++) blocks->col[q++] = d * pattern->col[s] + first + b;
-    blocks->row[r + 1] = q;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates a matrix of dim x dim blocks on a pattern, with zeros; columns: number of own particles
-   that the columns stand for. */
-static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
-                                      const Pattern *pattern, PetscInt columns, Mat *A)
-{
-  const PetscInt d = p->dim;
-  BlockRows     *rows;
-
-  PetscFunctionBegin;
-  PetscCall(BlockRowsCreate(p, SlotEntries(ops, d), pattern, &rows));
-  PetscCall(
-      PatternMat(p->comm, &rows->pattern, rows->pattern.n, d * columns, rows->value, NULL, A));
-  PetscCall(MatSetBlockSizes(*A, d, d));
-  PetscCall(MatKeep(*A, "block_rows", rows, BlockRowsDestroy));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* AssembleViscousBlock - Creates the matrices of the viscous operator from the stored weights;
    collective on the particles' communicator */
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
+  AffineOperator *visc    = &ops->velocity[0].visc;
+  const PetscInt  entries = SlotEntries(ops, p->dim);
+
   PetscFunctionBegin;
-  PetscCall(ViscousBlockMat(p, ops, &ops->rows.fluid, p->n_fluid, &ops->velocity[0].visc.A));
-  if (ops->forms.wall)
-    PetscCall(ViscousBlockMat(p, ops, &ops->rows.walls, p->n_wall, &ops->velocity[0].visc.B));
+  PetscCall(BlockRowsMat(p, entries, &ops->rows.fluid, p->n_fluid, &visc->A));
+  if (ops->forms.wall) PetscCall(BlockRowsMat(p, entries, &ops->rows.walls, p->n_wall, &visc->B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -551,12 +551,11 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
     PetscCall(PetscFree(s->of[q]));
     PetscCall(PetscFree2(s->at[q], s->cell[q]));
   }
-  PetscCall(PetscFree(s->fluid_rows.row));
-  PetscCall(PetscFree(s->fluid_rows.col));
-  PetscCall(PetscFree(s->wall_rows.row));
-  PetscCall(PetscFree(s->wall_rows.col));
-  PetscCall(PetscFree(s->value[0]));
-  PetscCall(PetscFree(s->value[1]));
+  for (PetscInt w = 0; w < 2; w++) {
+    PetscCall(PetscFree(s->list[w].start));
+    PetscCall(PetscFree(s->list[w].local));
+    PetscCall(PetscFree(s->list[w].slot));
+  }
   PetscCall(PetscFree(*cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -153,18 +153,12 @@ void StrainViscosities(const Scene *scene, const Particles *p, StrainCells *s)
   }
 }
 
-/* StrainFollow - Sets the viscosities of the cells, and of the particles, to those of the rheology
-   at the present strains; collective */
+/* StrainFollow - Sets the viscosities of the cells to those of the rheology at the present strains,
+   and those of particles to means over their cells; collective */
 PetscErrorCode StrainFollow(const Scene *scene, Particles *p, StrainCells *s)
 {
-  for (PetscInt c = 0; c < s->n; c++) s->nu[c] = RheologyViscosity(&scene->rheology, s->rate[c]);
-  return StrainSpread(p, s);
-}
-
-/* StrainSpread - Sets the viscosities of particles to means of those of their cells; collective */
-PetscErrorCode StrainSpread(Particles *p, StrainCells *s)
-{
   PetscFunctionBegin;
+  for (PetscInt c = 0; c < s->n; c++) s->nu[c] = RheologyViscosity(&scene->rheology, s->rate[c]);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal sum = 0.0, weight = 0.0;
 
