@@ -63,9 +63,7 @@ static PetscBool ReferenceApplies(const Scene *scene, const CavityReference *r)
   const unsigned full = scene->problem->physics;
 
   if (scene->physics == full) return PETSC_TRUE;
-  return r->reynolds_low == 0.0 && scene->physics == (full & ~(unsigned)PHYSICS_CONVECTION)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return r->reynolds_low == 0.0 && scene->physics == (full & ~(unsigned)PHYSICS_CONVECTION);
 }
 
 /* Returns the reference that is valid at the present time, or NULL; for a steady flow, a reference

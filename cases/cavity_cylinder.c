@@ -24,11 +24,9 @@ static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
   const PetscReal time     = ClockMoment(flow->clock) * scene->speed / scene->length;
   const PetscReal reynolds = SceneIsNewtonian(scene) ? SceneReynolds(scene) : NAN;
   const PetscBool compares = PetscAbsReal(reynolds - 1000.0) < 0.1 &&
-                                     PetscAbsReal(time - 40.0) < 0.1 &&
-                                     scene->physics == scene->problem->physics
-                                 ? PETSC_TRUE
-                                 : PETSC_FALSE;
-  PetscReal       energy;
+                             PetscAbsReal(time - 40.0) < 0.1 &&
+                             scene->physics == scene->problem->physics;
+  PetscReal energy;
 
   PetscFunctionBegin;
   PetscCall(CentrelineExtrema(flow, compares ? -0.31484 : NAN, compares ? 0.30706 : NAN,

@@ -104,7 +104,7 @@ static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
                                  const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
 {
   const Particles *p       = flow->particles;
-  const PetscBool  several = p->nu && SceneIsNewtonian(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool  several = p->nu && SceneIsNewtonian(flow->scene);
   PetscReal       *all     = NULL;
 
   PetscFunctionBegin;

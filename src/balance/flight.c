@@ -158,7 +158,7 @@ static PetscErrorCode FlightEnd(Flow *flow)
 
 static PetscBool CanFly(const Flow *flow)
 {
-  return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  return flow->ops->free && SceneMoves(flow->scene);
 }
 
 /* Momentum and angular momentum of fluid that touches nothing. */

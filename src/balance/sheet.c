@@ -106,5 +106,5 @@ PetscBool BalanceWorst(const Flow *flow, const char **name, PetscReal *value, Pe
     *value = sheet->value[k];
     *bound = BalanceRows[k].bound;
   }
-  return worst >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return worst >= 0.0;
 }

@@ -28,7 +28,7 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   case PETSC_ERR_MEM:
     return PETSC_TRUE;
   default:
-    return code > ERROR_INTERRUPTED(0) ? PETSC_TRUE : PETSC_FALSE;
+    return code > ERROR_INTERRUPTED(0);
   }
 }
 
@@ -37,8 +37,7 @@ static PetscBool SourceIsOurs(const char path[])
 {
   const char *const here = __FILE__;
 
-  return !strncmp(path, here, strlen(here) - strlen("src/base/errors.c")) ? PETSC_TRUE
-                                                                          : PETSC_FALSE;
+  return !strncmp(path, here, strlen(here) - strlen("src/base/errors.c"));
 }
 
 const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", "-wcsph_", NULL};
@@ -47,9 +46,7 @@ const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", "-wcsph_",
    code and the name of the caller for the message. */
 static PetscBool ErrorIsOfMemory(const char function[])
 {
-  return !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign")
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign");
 }
 
 /*

@@ -12,7 +12,7 @@ PetscBool FileIsOrdinary(const char path[])
 {
   struct stat status;
 
-  return lstat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
+  return lstat(path, &status) || S_ISREG(status.st_mode);
 }
 
 /* FileIsReadable - Returns true if a path is free or leads, through links, to a regular file; not
@@ -21,7 +21,7 @@ PetscBool FileIsReadable(const char path[])
 {
   struct stat status;
 
-  return stat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
+  return stat(path, &status) || S_ISREG(status.st_mode);
 }
 
 /* Ends the last line of a stream for reading and appending, unless it has an end: a row that is
@@ -38,7 +38,7 @@ static void EndLastLine(FILE *stream)
    for others; not collective */
 FILE *FileOpen(const char path[], const char mode[])
 {
-  const PetscBool adds   = mode[0] == 'a' ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool adds   = mode[0] == 'a';
   FILE           *stream = FileIsOrdinary(path) ? fopen(path, adds ? "a+" : mode) : NULL;
 
   if (stream && adds) EndLastLine(stream);
@@ -49,7 +49,7 @@ FILE *FileOpen(const char path[], const char mode[])
    collective */
 PetscBool FileReplace(const char part[], const char path[])
 {
-  return FileIsOrdinary(path) && !rename(part, path) ? PETSC_TRUE : PETSC_FALSE;
+  return FileIsOrdinary(path) && !rename(part, path);
 }
 
 /*
@@ -69,7 +69,7 @@ PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
     const int file =
         FileIsOrdinary(path) ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666) : -1;
 
-    *good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
+    *good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0;
     if (file >= 0) (void)close(file);
     if (file >= 0) (void)remove(path);
   }
@@ -95,7 +95,7 @@ PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[])
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) {
     PetscCall(PetscViewerASCIIGetPointer(viewer, &stream));
-    good = !stream || (!fflush(stream) && !ferror(stream)) ? PETSC_TRUE : PETSC_FALSE;
+    good = !stream || (!fflush(stream) && !ferror(stream));
   }
   PetscCall(FirstRankDecides(&good));
   PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_WRITE,

@@ -119,9 +119,8 @@ static void Sweep(PetscInt n, PetscInt l, PetscInt m, PetscReal d[], PetscReal e
 
 static PetscBool IsSmall(const PetscReal d[], const PetscReal e[], PetscInt k)
 {
-  return PetscAbsReal(e[k]) <= PETSC_MACHINE_EPSILON * (PetscAbsReal(d[k]) + PetscAbsReal(d[k + 1]))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return PetscAbsReal(e[k]) <=
+         PETSC_MACHINE_EPSILON * (PetscAbsReal(d[k]) + PetscAbsReal(d[k + 1]));
 }
 
 /* Makes a tridiagonal matrix diagonal and applies the rotations to the rows of Z; returns false if

@@ -22,7 +22,7 @@ static PetscBool Sees(const Particles *p, PetscInt j)
   PetscReal n2 = 0.0;
 
   for (PetscInt a = 0; a < p->dim; a++) n2 += PetscSqr(p->interface_normal[a][j]);
-  return n2 > 0.0 && !ParticlesIsWall(p, j) ? PETSC_TRUE : PETSC_FALSE;
+  return n2 > 0.0 && !ParticlesIsWall(p, j);
 }
 
 /* The interface that a particle sees, from the fluid `own`. */
@@ -280,11 +280,11 @@ static PetscBool IsFront(const Particles *p, PetscInt i, PetscInt count, const P
     along2 = PetscSqr(sight.r) - PetscSqr(height);
     if (sight.r > RADIUS * dx || along2 > PetscSqr(BESIDE * dx)) continue;
     height += at.phi;
-    same = (PetscInt)p->fluid[list[k]] == own ? PETSC_TRUE : PETSC_FALSE;
+    same = (PetscInt)p->fluid[list[k]] == own;
     if (height < 0.0 && height > -dx) votes += same ? -1 : 1;
     if (height > AGREE * dx && !same) votes--;
   }
-  return votes > 0 ? PETSC_TRUE : PETSC_FALSE;
+  return votes > 0;
 }
 
 /* Brings the distance of particle i towards c/|grad phi| of a fit to the distances that it and its

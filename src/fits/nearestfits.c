@@ -12,7 +12,7 @@
    more - there are more; sum - of the absolute weights, infinity without a fit. */
 PetscBool NearestTakesMore(PetscInt least, PetscInt wanted, PetscBool more, PetscReal sum)
 {
-  return more && sum > LARGEST_SUM && wanted < NEAREST_TIMES * least ? PETSC_TRUE : PETSC_FALSE;
+  return more && sum > LARGEST_SUM && wanted < NEAREST_TIMES * least;
 }
 
 /* Returns the largest number of particles in a fit, and pads the others with the weight zero. */

@@ -82,7 +82,7 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
     }
   }
   FourSolve(terms, M, c, &least);
-  for (PetscInt i = 0; i < 4; i++) fits[first + i] = least[i] > 1e-10 ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt i = 0; i < 4; i++) fits[first + i] = least[i] > 1e-10;
   for (PetscInt k = 0; k < n; k++) {
     Four phi[POINT_FIT_TERMS], sum = c[0];
 
@@ -242,7 +242,7 @@ static ISPH_INLINE PetscBool WallFlags(const VectorPoints *points, PetscInt k, F
 
   for (PetscInt l = 0; l < 4; l++) {
     (*wall)[l] = points->wall[k + l] ? 1.0 : 0.0;
-    any        = any || points->wall[k + l] ? PETSC_TRUE : PETSC_FALSE;
+    any        = any || points->wall[k + l];
   }
   return any;
 }

@@ -203,7 +203,7 @@ PetscErrorCode AttemptEnd(Flow *flow, PetscBool *again)
   PetscCall(FlowRestoreWork(flow, &flow->scheme->attempt->p));
   PetscCall(EndTreatments(flow, PETSC_FALSE));
   PetscCall(Ask(flow, PETSC_TRUE, &verdict));
-  *again = verdict && !flow->scheme->failure.fatal ? PETSC_TRUE : PETSC_FALSE;
+  *again = verdict && !flow->scheme->failure.fatal;
   if (!*again) PetscCall(EndTreatments(flow, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -219,7 +219,7 @@ static PetscErrorCode DecideFailure(Flow *flow, Trial *trial, PetscBool *again)
 
   PetscFunctionBegin;
   (void)trial;
-  *again = failure->code && !failure->fatal ? PETSC_TRUE : PETSC_FALSE;
+  *again = failure->code && !failure->fatal;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

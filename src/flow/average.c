@@ -130,7 +130,7 @@ static PetscErrorCode AverageEnd(Flow *flow)
 
 static PetscBool Averages(const Flow *flow)
 {
-  return flow->state->average.T > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return flow->state->average.T > 0.0;
 }
 
 /* The mean of the pressure over the last time before a snapshot. */

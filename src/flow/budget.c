@@ -199,9 +199,7 @@ static void AddEnergies(const Particles *p, StepPart part, const PetscReal befor
                         const PetscReal after[], const PetscReal end[], Budget *budget)
 {
   const PetscReal *begin    = budget->after[PART_MOTION];
-  const PetscBool  implicit = budget->measured[PART_TIME] && part > PART_TIME && part < PART_MEAN
-                                  ? PETSC_TRUE
-                                  : PETSC_FALSE;
+  const PetscBool  implicit = budget->measured[PART_TIME] && part > PART_TIME && part < PART_MEAN;
 
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscInt  box    = BoxOf(budget, p, i);
@@ -264,8 +262,7 @@ PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetVa
   PetscReal     sum[3] = {own.weight, own.divergence2, own.energy};
 
   PetscFunctionBegin;
-  *measured = budget->measured[part] && (part != PART_MOTION || SceneMoves(scene)) ? PETSC_TRUE
-                                                                                   : PETSC_FALSE;
+  *measured = budget->measured[part] && (part != PART_MOTION || SceneMoves(scene));
   if (!*measured) PetscFunctionReturn(PETSC_SUCCESS);
   values->divergence_max = own.most;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));

@@ -57,8 +57,7 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], PetscIn
 static PetscBool HasFilter(const Flow *flow, PetscInt c)
 {
   if (!OperatorsOfVelocity(flow->ops, c)->filter_u.needed) return PETSC_FALSE;
-  return flow->state->velocity_filter <= 1.0 || flow->state->filter_rate[c] ? PETSC_TRUE
-                                                                            : PETSC_FALSE;
+  return flow->state->velocity_filter <= 1.0 || flow->state->filter_rate[c];
 }
 
 /*

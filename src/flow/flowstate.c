@@ -24,7 +24,7 @@ PetscErrorCode FlowStateCreate(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
-  s->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
+  s->has_convection = scene->motion && !SceneMoves(scene);
   PetscCall(RegisterEvents(s));
   flow->state = s;
   PetscFunctionReturn(PETSC_SUCCESS);

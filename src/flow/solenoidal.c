@@ -65,7 +65,7 @@ static void SetFactors(const Scene *scene, const PetscReal x[], Factors *f)
     f->height[a] = x[a] - 0.5 * (scene->lo[a] + scene->hi[a]);
     for (PetscInt k = 0; k < ModesOf(scene); k++) {
       const PetscReal w = WaveNumber(scene, a, k), phase = w * (x[a] - scene->lo[a]);
-      const PetscBool sine = !periodic || k % 2 == 0 ? PETSC_TRUE : PETSC_FALSE;
+      const PetscBool sine = !periodic || k % 2 == 0;
 
       f->value[a][k] =
           w > 0.0 ? PETSC_SQRT2 * (sine ? PetscSinReal(phase) : PetscCosReal(phase)) : 1.0;

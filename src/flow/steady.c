@@ -132,14 +132,14 @@ static PetscErrorCode MeasureMoving(Flow *flow)
    a steady flow only. */
 static PetscBool IsLong(const Flow *flow)
 {
-  return flow->clock->dt > LONG * TimeScale(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  return flow->clock->dt > LONG * TimeScale(flow->scene);
 }
 
 /* SteadyMeasure - Measures the rates of change of the flow and sets stats.change, if -steady_tol is
    given or the step is long; collective */
 PetscErrorCode SteadyMeasure(Flow *flow)
 {
-  const PetscBool tests = flow->clock->steady_tol > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool tests = flow->clock->steady_tol > 0.0;
 
   PetscFunctionBegin;
   if (!tests && (!IsLong(flow) || flow->clock->steady_solve)) PetscFunctionReturn(PETSC_SUCCESS);

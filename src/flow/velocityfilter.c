@@ -49,8 +49,8 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
 {
   Regime *regime = flow->scene->regime;
 
-  RegimeSetFact(regime, FACT_STRONG, flow->state->velocity_filter > 1.0 ? PETSC_TRUE : PETSC_FALSE);
-  return RegimeValue(regime, REGIME_SHEAR) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  RegimeSetFact(regime, FACT_STRONG, flow->state->velocity_filter > 1.0);
+  return RegimeValue(regime, REGIME_SHEAR) > 0.0;
 }
 
 /*

@@ -58,9 +58,7 @@ static PetscInt FirstOpenAxis(const Scene *scene)
 
 static PetscBool IsOpening(const Scene *scene, PetscInt side)
 {
-  return BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW);
 }
 
 /* Computes the loads of a boundary, and adds flux, area, pressure and volume. */
@@ -97,9 +95,7 @@ static PetscErrorCode LoadsOf(const Flow *flow, PetscInt side, Loads *of, Ledger
 static void AddLoads(const Flow *flow, const Loads *of, PetscReal level, Ledger *l)
 {
   const PetscInt  dim     = flow->scene->dim;
-  const PetscBool carries = SceneHas(flow->scene, PHYSICS_CONVECTION) && !SceneMoves(flow->scene)
-                                ? PETSC_TRUE
-                                : PETSC_FALSE;
+  const PetscBool carries = SceneHas(flow->scene, PHYSICS_CONVECTION) && !SceneMoves(flow->scene);
 
   for (PetscInt k = 0; k < of->s.n; k++) {
     const PetscReal *n = &of->s.normal[k * dim], *u = &of->u[k * dim];

@@ -26,8 +26,7 @@ static PetscBool FitsLaplacian(const Flow *flow)
   const OperatorForms *forms = &flow->ops->forms;
 
   if (!SceneIsNewtonian(flow->scene) || flow->particles->nu) return PETSC_FALSE;
-  return SceneMoves(flow->scene) || forms->kernel->support * forms->h_over_dx >= WIDE ? PETSC_TRUE
-                                                                                      : PETSC_FALSE;
+  return SceneMoves(flow->scene) || forms->kernel->support * forms->h_over_dx >= WIDE;
 }
 
 /* Returns true if sound is part of the pressure. A compact gradient stands then for that of the

@@ -27,9 +27,7 @@ PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
   if (rank == 0) {
     monitor->stream = FileOpen(monitor->path, "w");
     good = monitor->stream && fprintf(monitor->stream, "t,step,%s\n", kind->header) > 0 &&
-                   fflush(monitor->stream) == 0
-               ? PETSC_TRUE
-               : PETSC_FALSE;
+           fflush(monitor->stream) == 0;
   }
   PetscCall(MonitorVerdict(monitor->path, good));
   monitor->opened = PETSC_TRUE;
@@ -56,7 +54,7 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
     (void)fputs(line, kept);
   }
   if (!kept) return PETSC_FALSE;
-  good = !ferror(old) && !ferror(kept) ? PETSC_TRUE : PETSC_FALSE;
+  good = !ferror(old) && !ferror(kept);
   if (fclose(kept)) good = PETSC_FALSE;
   if (!good || !FileReplace(part, monitor->path)) {
     (void)remove(part);
@@ -82,8 +80,8 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   old   = rank == 0 ? FileOpen(monitor->path, "r") : NULL;
-  there = old || (rank == 0 && errno != ENOENT) ? PETSC_TRUE : PETSC_FALSE;
-  good  = old && KeepRows(monitor, old, t) ? PETSC_TRUE : PETSC_FALSE;
+  there = old || (rank == 0 && errno != ENOENT);
+  good  = old && KeepRows(monitor, old, t);
   if (old) (void)fclose(old);
   PetscCall(FirstRankDecides(&there));
   monitor->opened = PETSC_TRUE;
@@ -99,8 +97,7 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
   PetscBool good = PETSC_TRUE;
 
   PetscFunctionBegin;
-  if (monitor->stream)
-    good = !ferror(monitor->stream) && fflush(monitor->stream) == 0 ? PETSC_TRUE : PETSC_FALSE;
+  if (monitor->stream) good = !ferror(monitor->stream) && fflush(monitor->stream) == 0;
   if (!good) { /* PETSc fails in its own flush of such a stream */
     (void)fclose(monitor->stream);
     monitor->stream = NULL;

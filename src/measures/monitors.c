@@ -199,7 +199,7 @@ PetscErrorCode MonitorsCreate(Flow *flow, Monitors **monitors)
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     PetscCall(MonitorRead(scene, &options[k], kinds[k], &m->of[k]));
     PetscCall(CreateWindows(scene, flow->state->average.T, kinds[k], &m->of[k]));
-    m->any = m->any || m->of[k].on ? PETSC_TRUE : PETSC_FALSE;
+    m->any = m->any || m->of[k].on;
   }
   if (m->any) {
     PetscCall(OptionGetFile(&options[BASE], m->base));
@@ -261,7 +261,7 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 static PetscBool EntersMean(const Monitors *m, const Monitor *monitor, PetscReal t)
 {
   if (monitor->T == 0.0) return PETSC_FALSE;
-  return ClockNext(m->every, t) - t <= monitor->T * (1.0 + 1e-9) ? PETSC_TRUE : PETSC_FALSE;
+  return ClockNext(m->every, t) - t <= monitor->T * (1.0 + 1e-9);
 }
 
 /*

@@ -57,9 +57,7 @@ static PetscBool ProbeHas(const Probe *probe, PetscInt j, PetscInt field)
 
   if (!ParticlesIsWall(p, j)) return PETSC_TRUE;
   if (field == p->dim || !flow->ops->forms.wall->on_surface) return PETSC_FALSE;
-  return BoundaryVelocityEquation(flow->scene, (PetscInt)p->side[j], field) == EQUATION_VALUE
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return BoundaryVelocityEquation(flow->scene, (PetscInt)p->side[j], field) == EQUATION_VALUE;
 }
 
 /* Finds the neighbours of a point that enter the fit of a field, their offsets over the radius and
@@ -102,9 +100,9 @@ static PetscBool TakeKept(Probe *probe, const PetscReal key[], PetscInt wanted, 
 {
   KeptFits  *kept = &probe->flow->state->kept_fits;
   PetscReal *next = kept->number + kept->at;
-  PetscBool  same = kept->at < kept->n ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool  same = kept->at < kept->n;
 
-  for (PetscInt q = 0; q < KEY && same; q++) same = next[q] == key[q] ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt q = 0; q < KEY && same; q++) same = next[q] == key[q];
   if (!same) {
     kept->n = PetscMin(kept->n, kept->at);
     return PETSC_FALSE;
@@ -162,8 +160,8 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt f
   if (keeps && TakeKept(probe, key, wanted, n)) PetscFunctionReturn(PETSC_SUCCESS);
   while (PETSC_TRUE) {
     const PetscInt  terms = degree < 3 ? quadratic : quadratic * (dim + 3) / 3;
-    const PetscBool ends  = ball.R >= probe->reach * ball.least ? PETSC_TRUE : PETSC_FALSE;
-    const PetscBool last  = ends && degree == 2 ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool ends  = ball.R >= probe->reach * ball.least;
+    const PetscBool last  = ends && degree == 2;
 
     PetscCall(ProbeFind(probe, x, &ball, field, n));
     if ((last || *n >= 2 * terms) &&
@@ -270,10 +268,10 @@ static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *d
   *dry = PETSC_FALSE;
   if (!free) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(NearestFluid(probe, x, WET * dx, &j));
-  *dry = j < 0 || free->kind[j] == SURFACE_ISOLATED ? PETSC_TRUE : PETSC_FALSE;
+  *dry = j < 0 || free->kind[j] == SURFACE_ISOLATED;
   if (*dry || free->kind[j] == SURFACE_INSIDE) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < p->dim; a++) above += free->normal[j * p->dim + a] * (x[a] - p->x[a][j]);
-  *dry = above > ON_SURFACE * dx ? PETSC_TRUE : PETSC_FALSE;
+  *dry = above > ON_SURFACE * dx;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -282,7 +280,7 @@ static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *d
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const WallRow  *wall  = probe->flow->ops->forms.wall;
-  const PetscBool walls = wall && wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool walls = wall && wall->on_surface;
   const PetscBool slip  = SceneSlipKind(probe->flow->scene) ? PETSC_TRUE : PETSC_FALSE;
   PetscInt        n     = 0;
   PetscBool       dry;
@@ -291,7 +289,7 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
   PetscCall(ProbeIsDry(probe, x, &dry));
   for (PetscInt f = 0; f < probe->n_fields; f++) values[f] = NAN;
   for (PetscInt f = 0; !dry && f < probe->n_fields; f++) {
-    const PetscBool pressure = f == probe->flow->particles->dim ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool pressure = f == probe->flow->particles->dim;
 
     if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, 1, &n));
     values[f] = 0.0;
@@ -319,14 +317,14 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
                            PetscReal p[])
 {
   const PetscInt  dim      = flow->particles->dim;
-  const PetscBool pressure = p && flow->particles->p ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool own      = pressure && flow->scheme->Pressure ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool pressure = p && flow->particles->p;
+  const PetscBool own      = pressure && flow->scheme->Pressure;
   const PetscInt  width    = dim + (pressure ? 1 : 0);
   Probe           probe;
   PetscReal      *values;
 
   PetscFunctionBegin;
-  PetscCall(ProbeBegin(flow, pressure && !own ? PETSC_TRUE : PETSC_FALSE, &probe));
+  PetscCall(ProbeBegin(flow, pressure && !own, &probe));
   PetscCall(PetscCalloc1(n * width, &values));
   for (PetscInt k = 0; k < n; k++) {
     PetscReal place[ISPH_MAX_DIM];
@@ -411,7 +409,7 @@ PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   PetscReal       *values, *du[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(ProbeBegin(flow, p->p && !own ? PETSC_TRUE : PETSC_FALSE, &probe));
+  PetscCall(ProbeBegin(flow, p->p && !own, &probe));
   probe.degree = 3;
   PetscCall(PetscCalloc1(n * width, &values));
   PetscCall(CreateRates(flow, du));
@@ -470,9 +468,7 @@ PetscBool ProbeInBody(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
 
-  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene);
 }
 
 /* Finds the viscosity of the fluid particle nearest to x. */

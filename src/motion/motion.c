@@ -211,7 +211,7 @@ static PetscBool HasWall(const Operators *ops, PetscInt i)
 {
   const PetscInt *row = ops->forms.wall ? ops->rows.walls.row : NULL;
 
-  return row && row[i + 1] > row[i] ? PETSC_TRUE : PETSC_FALSE;
+  return row && row[i + 1] > row[i];
 }
 
 /*

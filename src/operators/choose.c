@@ -205,16 +205,13 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
 static PetscBool HasFreeTraction(const LaplacianForm *visc)
 {
   return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&
-                 LaplacianIs(visc, FORM_NULL_CONSTANTS)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         LaplacianIs(visc, FORM_NULL_CONSTANTS);
 }
 
 /* Returns true if the form takes the stress of dummies from the fluid: docs/theory.md, (216). */
 static PetscBool ContinuesStress(const LaplacianForm *visc)
 {
-  return visc->row && visc->row->composed && visc->row->composed->transposed ? PETSC_TRUE
-                                                                             : PETSC_FALSE;
+  return visc->row && visc->row->composed && visc->row->composed->transposed;
 }
 
 /* Returns true if the viscous form needs particles behind walls. With a free surface
@@ -265,7 +262,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
             "-wall %s: only -scheme wcsph gives walls a density; use dummy_linear or wall_layer",
             forms->wall->name);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
-  forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
   UserCheck(
       !forms->wall_surface || !forms->wall->on_surface,
@@ -279,9 +276,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
 static PetscBool AreExact(const OperatorForms *forms)
 {
   return forms->visc.row && LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
-                 (!forms->ppe.row || LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         (!forms->ppe.row || LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC));
 }
 
 /* Sets visc_is_laplacian and components_coupled, and refuses options that coupled components
@@ -291,8 +286,8 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   const PetscBool couple = forms->visc.row && LaplacianIs(&forms->visc, FORM_COUPLES);
 
   PetscFunctionBegin;
-  forms->visc_is_laplacian  = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
-  forms->components_coupled = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
+  forms->visc_is_laplacian  = !couple && !SceneViscosityVaries(scene);
+  forms->components_coupled = couple || !SceneIsNewtonian(scene);
   UserCheck(!couple || !scene->problem->patch,
             "-visc_laplacian %s: a patch test has a scalar field; use a form that does not couple "
             "components",
@@ -354,9 +349,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
   forms->visc.halved = forms->visc.row && SceneViscosityVaries(scene) &&
-                               forms->visc.row->Row == LaplacianRow_PairwiseStress
-                           ? PETSC_TRUE
-                           : PETSC_FALSE;
+                       forms->visc.row->Row == LaplacianRow_PairwiseStress;
   if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
     forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -369,8 +362,8 @@ PetscErrorCode OperatorsDegree(const Scene *scene, PetscInt *degree)
   PetscFunctionBegin;
   *degree = 2;
   PetscCall(OptionGetInt(&options[MLS_DEGREE], degree, NULL));
-  RegimeSetFact(scene->regime, FACT_CUBIC, *degree == 3 ? PETSC_TRUE : PETSC_FALSE);
-  RegimeSetFact(scene->regime, FACT_QUARTIC, *degree == 4 ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(scene->regime, FACT_CUBIC, *degree == 3);
+  RegimeSetFact(scene->regime, FACT_QUARTIC, *degree == 4);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

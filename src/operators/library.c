@@ -10,17 +10,14 @@
 static PetscBool Fits(const FormsLibrary *library)
 {
   return library->version == FORMS_VERSION && library->stencil == sizeof(Stencil) &&
-                 library->laplacian == sizeof(LaplacianRow) &&
-                 library->gradient == sizeof(GradientRow)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         library->laplacian == sizeof(LaplacianRow) && library->gradient == sizeof(GradientRow);
 }
 
 static PetscBool LaplacianIsComplete(const TableRow *row)
 {
   const LaplacianRow *form = (const LaplacianRow *)(const void *)row;
 
-  return form->Row || form->composed || form->weak ? PETSC_TRUE : PETSC_FALSE;
+  return form->Row || form->composed || form->weak;
 }
 
 static PetscBool GradientIsComplete(const TableRow *row)

@@ -47,7 +47,7 @@ unsigned SceneNeeds(const Scene *scene)
 static void ChooseProducts(Operators *ops, PetscBool extended, AffineOperator *op)
 {
   op->rows         = extended ? NULL : &ops->rows;
-  op->has_matrices = extended || ops->needs & NEED_MATRICES ? PETSC_TRUE : PETSC_FALSE;
+  op->has_matrices = extended || ops->needs & NEED_MATRICES;
 }
 
 /* Marks the operators of a velocity component that the run needs. */
@@ -55,13 +55,11 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
 {
   const PetscBool extended = ops->forms.visc.extended;
 
-  ChooseProducts(ops, extended || ops->forms.components_coupled ? PETSC_TRUE : PETSC_FALSE,
-                 &of->visc);
+  ChooseProducts(ops, extended || ops->forms.components_coupled, &of->visc);
   ChooseProducts(ops, extended, &of->filter_u);
   for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
-  of->visc.width = LaplacianWidth(&ops->forms.visc, scene->dim);
-  of->visc.needed =
-      ops->needs & NEED_VISCOSITY && ops->forms.visc.row->Row ? PETSC_TRUE : PETSC_FALSE;
+  of->visc.width  = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed = ops->needs & NEED_VISCOSITY && ops->forms.visc.row->Row;
   if (ops->forms.components_coupled && of != &ops->velocity[0]) of->visc.needed = PETSC_FALSE;
   of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -75,10 +73,8 @@ static PetscBool HasFits(const Operators *ops)
 
   if (ops->needs & (NEED_FILTER_U | NEED_FILTER_P)) return PETSC_TRUE;
   return (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls) ||
-                 (forms->ppe.row && forms->ppe.row->Row == LaplacianRow_Mls) ||
-                 (forms->gradient && forms->gradient->Row == GradientRow_Mls)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         (forms->ppe.row && forms->ppe.row->Row == LaplacianRow_Mls) ||
+         (forms->gradient && forms->gradient->Row == GradientRow_Mls);
 }
 
 /* Lets an operator of a group of operators with equal rows share those of the first that is needed.
@@ -127,9 +123,7 @@ static void ChooseRows(const Scene *scene, Operators *ops)
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
     if (all[k]->needed && all[k]->has_matrices) matrices = PETSC_TRUE;
-  ops->rows.repeats = !matrices && !SceneMoves(scene) && !ops->free && !SceneViscosityVaries(scene)
-                          ? PETSC_TRUE
-                          : PETSC_FALSE;
+  ops->rows.repeats = !matrices && !SceneMoves(scene) && !ops->free && !SceneViscosityVaries(scene);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(form); k++)
     if (form[k]->row && form[k]->row->Factor) ops->rows.repeats = PETSC_FALSE;
   ops->ppe.has_matrices = ops->rows.repeats ? PETSC_FALSE : PETSC_TRUE;
@@ -155,7 +149,7 @@ static PetscBool GradientsAreProducts(const Operators *ops)
 */
 static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
 {
-  const PetscBool filters  = ops->forms.degree % 2 == 0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool filters  = ops->forms.degree % 2 == 0;
   const PetscBool filter_u = filters && ops->velocity[0].filter_u.needed,
                   filter_p = filters && ops->filter_p.needed;
 
@@ -172,9 +166,7 @@ static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
   for (PetscInt a = 0; a < scene->dim; a++)
     ops->grad_p[a].fitted = ops->div[a].fitted = (FitRow)(FIT_GRADIENT + a);
   ops->work->fits_walls = ops->forms.wall && ops->forms.wall->on_surface && ops->n_velocity == 1 &&
-                                  !ops->grad_p[0].needed && !ops->filter_p.needed
-                              ? PETSC_TRUE
-                              : PETSC_FALSE;
+                          !ops->grad_p[0].needed && !ops->filter_p.needed;
   PetscCall(FittedCreate(&ops->forms, scene->dim, filter_u || filter_p, &ops->rows.fitted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -125,7 +125,7 @@ static void CheckWords(const char source[], int n, char *const word[], char sent
   for (int k = 0; k < n && !sentence[0]; k++) {
     const char *const option = word[k];
     const char *const value  = k + 1 < n && !OptionBegins(word[k + 1]) ? word[k + 1] : NULL;
-    const PetscBool   absent = !value || value[0] == '-' ? PETSC_TRUE : PETSC_FALSE; /* as a file */
+    const PetscBool   absent = !value || value[0] == '-'; /* as a file */
 
     if (!OptionBegins(option))
       (void)snprintf(sentence, length,

@@ -166,8 +166,7 @@ static void AllowedNames(const ExpressionScope *scope, unsigned allowed, char na
 static PetscBool Assigns(const char text[])
 {
   for (const char *s = strchr(text, '='); s; s = strchr(s, '=')) {
-    const PetscBool compares =
-        s[1] == '=' || (s > text && strchr("<>!", s[-1])) ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool compares = s[1] == '=' || (s > text && strchr("<>!", s[-1]));
 
     if (!compares) return PETSC_TRUE;
     s += s[1] == '=' ? 2 : 1;

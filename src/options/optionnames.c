@@ -146,7 +146,7 @@ static PetscBool IsNear(PetscInt distance, const char a[], const char b[])
   const PetscInt na = (PetscInt)strlen(a), nb = (PetscInt)strlen(b);
   const PetscInt most = PetscMin(4, PetscMax(1, PetscMax(na, nb) / 4));
 
-  return distance <= most && distance < PetscMin(na, nb) ? PETSC_TRUE : PETSC_FALSE;
+  return distance <= most && distance < PetscMin(na, nb);
 }
 
 /* OptionTextHas - Returns true if a text, or NULL, has a word, in capitals or small letters; not

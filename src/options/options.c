@@ -25,7 +25,7 @@ static PetscBool IsNumber(const char text[], double *number)
   char *end;
 
   *number = strtod(text, &end);
-  return end != text && !*end ? PETSC_TRUE : PETSC_FALSE;
+  return end != text && !*end;
 }
 
 /* OptionRangeText - Writes the range of a row, empty if it has none; not collective */
@@ -133,7 +133,7 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
   if (!there) text = row->standard ? row->standard : "absent";
   for (PetscInt k = 0; words[k] && !known; k++) {
     PetscCall(PetscStrcasecmp(text, words[k], &known));
-    if (known) *value = k < 5 ? PETSC_TRUE : PETSC_FALSE;
+    if (known) *value = k < 5;
   }
   UserCheck(!there || known, "%s %s: allowed are true and false; without a value it is true",
             row->name, text);
@@ -206,8 +206,7 @@ PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
     PetscBool    same   = PETSC_FALSE;
 
     for (PetscInt k = 0; row->words[k] && !same; k++) {
-      same = strlen(row->words[k]) == length && !strncmp(row->words[k], text, length) ? PETSC_TRUE
-                                                                                      : PETSC_FALSE;
+      same = strlen(row->words[k]) == length && !strncmp(row->words[k], text, length);
       if (same) *flags |= 1u << k;
     }
     UserCheck(same, "%s %.*s: no such name; choose from %s", row->name, (int)length, text, all);
@@ -319,10 +318,9 @@ static PetscErrorCode CheckMonitor(const char name[], const char text[])
   const char *const file   = strchr(text, ':');
   const char *const format = file ? strchr(file + 1, ':') : NULL;
   const size_t      length = file ? (size_t)(file - text) : strlen(text);
-  const PetscBool   plain  = !format || !format[1] || format[1] == ':' ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool   ascii =
-      !length || (length == 5 && !strncmp(text, "ascii", length)) ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool draw = length == 4 && !strncmp(text, "draw", length) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   plain  = !format || !format[1] || format[1] == ':';
+  const PetscBool   ascii  = !length || (length == 5 && !strncmp(text, "ascii", length));
+  const PetscBool   draw   = length == 4 && !strncmp(text, "draw", length);
 
   PetscFunctionBegin;
   UserCheck(ascii ? plain : draw && format && !strncmp(format + 1, "draw", 4),

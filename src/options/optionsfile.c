@@ -22,7 +22,7 @@ PetscBool OptionBegins(const char word[])
 
   if (word[0] != '-' || !isalpha((unsigned char)*letter)) return PETSC_FALSE;
   (void)strtod(word, &end);
-  return end == word || *end == '_' || isalnum((unsigned char)*end) ? PETSC_TRUE : PETSC_FALSE;
+  return end == word || *end == '_' || isalnum((unsigned char)*end);
 }
 
 /* OptionNamesFile - Returns true for options by which PETSc reads another file; not collective */
@@ -30,7 +30,7 @@ PetscBool OptionNamesFile(const char option[])
 {
   const OptionRow *row = OptionFind(option);
 
-  return row && row->early && row->kind == VALUE_FILE ? PETSC_TRUE : PETSC_FALSE;
+  return row && row->early && row->kind == VALUE_FILE;
 }
 
 /* Checks the format in a viewer, as "type:file:format:mode". */
@@ -114,7 +114,7 @@ static PetscBool IsYaml(const char path[], FILE *file)
   }
   if (!fgets(first, (int)sizeof(first), file)) first[0] = '\0';
   rewind(file);
-  return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3) ? PETSC_TRUE : PETSC_FALSE;
+  return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3);
 }
 
 /* Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for others. */
@@ -251,7 +251,7 @@ static void CheckLines(const char path[], FILE *file, int depth, char sentence[]
 
   for (int k = 1; !sentence[0] && (bytes = getline(&line, &room, file)) >= 0; k++) {
     (void)snprintf(place.source, sizeof(place.source), "%s, line %d: ", path, k);
-    CheckBytes(&place, line, (size_t)bytes, k == 1 ? PETSC_TRUE : PETSC_FALSE, sentence, length);
+    CheckBytes(&place, line, (size_t)bytes, k == 1, sentence, length);
     if (!sentence[0]) CheckLine(&place, line, sentence, length);
   }
   free(line);
@@ -337,7 +337,7 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   if (sentence[0] || (!option && strstr(name, "${"))) return;
   if (!Substitute(option, name, path, sentence, length)) return;
   n    = strlen(path);
-  yaml = n > 5 && !strcmp(path + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
+  yaml = n > 5 && !strcmp(path + n - 5, ":yaml");
   if (yaml) path[n - 5] = '\0';
   if (depth > MAX_DEPTH) {
     (void)snprintf(sentence, length,

@@ -24,7 +24,7 @@ static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
   const OptionRow *row = OptionFind(name);
 
   if (row && row->late) return PETSC_TRUE;
-  return !deferred_too && IsDeferred(name) ? PETSC_TRUE : PETSC_FALSE;
+  return !deferred_too && IsDeferred(name);
 }
 
 /* Ends the run with a message on an option that nothing has read. */

@@ -30,7 +30,7 @@ static PetscErrorCode ShiftAndInvert(EPS eps, Mat A)
    Krylov-Schur alone. */
 static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal *value)
 {
-  const PetscBool inner = which == EPS_TARGET_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool inner = which == EPS_TARGET_MAGNITUDE;
   EPS             eps;
   PetscScalar     re, im;
   PetscInt        found;

@@ -124,7 +124,7 @@ Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantit
 */
 Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
 {
-  const PetscBool normal = BoundaryBody(scene, side) || c == side / 2 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool normal = BoundaryBody(scene, side) || c == side / 2;
 
   return BoundaryEquation(scene, side, normal ? FIT_VELOCITY_NORMAL : FIT_VELOCITY_TANGENTIAL);
 }

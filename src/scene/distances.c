@@ -179,8 +179,7 @@ PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x
   PetscReal       normal[ISPH_MAX_DIM];
   PetscInt        nearest;
 
-  if (!BoundaryBody(scene, boundary))
-    return SceneDistance(scene, x, &nearest, normal) <= slack ? PETSC_TRUE : PETSC_FALSE;
+  if (!BoundaryBody(scene, boundary)) return SceneDistance(scene, x, &nearest, normal) <= slack;
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
     if (BoundaryIs(scene, side, BOUNDARY_PARTICLES) && SceneSideDistance(scene, side, x) <= slack)
       return PETSC_TRUE;

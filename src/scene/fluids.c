@@ -10,8 +10,7 @@
 /* SceneViscosityVaries - Returns true if each particle has its own viscosity; not collective */
 PetscBool SceneViscosityVaries(const Scene *scene)
 {
-  return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene) ? PETSC_TRUE
-                                                                           : PETSC_FALSE;
+  return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene);
 }
 
 /* SceneFluids - Returns the number of fluids with interfaces between them; not collective */

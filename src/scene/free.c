@@ -53,7 +53,7 @@ static PetscBool IsTaken(const Scene *scene, const PetscReal x[])
 
   for (PetscInt k = 0; k < scene->n_filled; k++)
     if (SceneFilledDistance(scene, k, x) >= -SCENE_ON_SURFACE * scene->dx) return PETSC_TRUE;
-  return scene->n_bodies && SceneFluidDistance(scene, x, &side) < 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return scene->n_bodies && SceneFluidDistance(scene, x, &side) < 0.0;
 }
 
 /*
@@ -91,5 +91,5 @@ void SceneDropFullRegions(Scene *scene)
 /* SceneHasFreeSurface - Returns true if the fluid has a free surface; not collective */
 PetscBool SceneHasFreeSurface(const Scene *scene)
 {
-  return scene->n_filled || SceneHasBoundary(scene, BOUNDARY_FREE) ? PETSC_TRUE : PETSC_FALSE;
+  return scene->n_filled || SceneHasBoundary(scene, BOUNDARY_FREE);
 }

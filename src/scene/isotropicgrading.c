@@ -96,7 +96,7 @@ static PetscReal EvenSpacing(const Scene *scene, PetscInt side)
    on it must be even; not collective */
 PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 {
-  return scene->dim == 2 || scene->grading.even[side] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return scene->dim == 2 || scene->grading.even[side] > 0.0;
 }
 
 /*

@@ -90,10 +90,8 @@ const OptionTable OpeningOptions = OPTIONS("Openings of typed scenes", options);
 /* SceneHasOpenings - Returns true if particles enter or leave the box; not collective */
 PetscBool SceneHasOpenings(const Scene *scene)
 {
-  return SceneMoves(scene) && (SceneHasBoundary(scene, BOUNDARY_INFLOW) ||
-                               SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return SceneMoves(scene) &&
+         (SceneHasBoundary(scene, BOUNDARY_INFLOW) || SceneHasBoundary(scene, BOUNDARY_OUTFLOW));
 }
 
 /* Gets the axes along a side, in order; returns their number. */
@@ -135,9 +133,7 @@ PetscBool BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   PetscReal out[ISPH_MAX_DIM];
 
-  return BoundaryIs(scene, side, BOUNDARY_INFLOW) && OpeningDepth(scene, side, x, out) >= 0.0
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return BoundaryIs(scene, side, BOUNDARY_INFLOW) && OpeningDepth(scene, side, x, out) >= 0.0;
 }
 
 /* BoundaryLetsOut - Returns true if fluid near x can leave through a boundary at time t: through an
@@ -150,8 +146,7 @@ PetscBool BoundaryLetsOut(const Scene *scene, PetscInt side, PetscReal t, const 
   for (PetscInt a = 0; a < scene->dim; a++) point[a] = x[a];
   point[side / 2] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
   SceneWallVelocity(scene, side, t, point, u);
-  return SideEntering(side, u) < -PETSC_SQRT_MACHINE_EPSILON * scene->speed ? PETSC_TRUE
-                                                                            : PETSC_FALSE;
+  return SideEntering(side, u) < -PETSC_SQRT_MACHINE_EPSILON * scene->speed;
 }
 
 /* BoundaryIntoOpening - Moves a point of an inflow side into its opening; not collective */
@@ -262,7 +257,7 @@ static PetscErrorCode ReadInterval(Scene *scene, PetscInt side, const OptionRow 
 /* Returns true if an end of an axis is a plane of symmetry. */
 static PetscBool Mirrors(const Scene *scene, PetscInt axis, PetscInt end)
 {
-  return scene->boundary[2 * axis + end].kind == &BoundarySymmetry ? PETSC_TRUE : PETSC_FALSE;
+  return scene->boundary[2 * axis + end].kind == &BoundarySymmetry;
 }
 
 /* Reads the opening of an inflow side in 3D. It may reach beyond planes of symmetry. */

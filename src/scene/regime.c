@@ -86,15 +86,13 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_CONVECTION, SceneHas(scene, PHYSICS_CONVECTION));
   RegimeSetFact(r, FACT_PRESSURE, SceneHas(scene, PHYSICS_PRESSURE));
   RegimeSetFact(r, FACT_VARIES, SceneViscosityVaries(scene));
-  RegimeSetFact(r, FACT_CURVED,
-                SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE);
-  RegimeSetFact(r, FACT_GRADED,
-                SceneIsMapped(scene) || scene->grading.on ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(r, FACT_CURVED, SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies);
+  RegimeSetFact(r, FACT_GRADED, SceneIsMapped(scene) || scene->grading.on);
   RegimeSetFact(r, FACT_CLOUD, scene->grading.on);
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
-  RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0 ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
-  RegimeSetFact(r, FACT_FLUIDS, SceneFluids(scene) > 1 ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(r, FACT_FLUIDS, SceneFluids(scene) > 1);
   r->number[NUMBER_CELL]     = cell;
   r->number[NUMBER_CONTRAST] = scene->nu_low > 0.0 ? scene->nu_high / scene->nu_low : 1.0;
   *regime                    = r;

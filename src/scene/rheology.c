@@ -126,7 +126,7 @@ PetscReal RheologySlope(const Rheology *r, PetscReal rate)
    collective */
 PetscBool SceneIsNewtonian(const Scene *scene)
 {
-  return !scene->rheology.row || !scene->rheology.row->Nu ? PETSC_TRUE : PETSC_FALSE;
+  return !scene->rheology.row || !scene->rheology.row->Nu;
 }
 
 /* ---- options ---- */
@@ -244,7 +244,7 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
   const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
                   near = r->row->Nu(r, rate * PetscPowReal(1e90, end));
 
-  *limited = PetscAbsReal(last - near) <= 1e-3 * last ? PETSC_TRUE : PETSC_FALSE;
+  *limited = PetscAbsReal(last - near) <= 1e-3 * last;
   return *limited ? last : r->row->Nu(r, rate * PetscPowReal(1e12, end));
 }
 

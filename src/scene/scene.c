@@ -57,22 +57,19 @@ PetscBool SceneIsAsPosed(const Scene *scene)
 {
   const unsigned posed = scene->problem->physics;
 
-  return !(posed & ~scene->physics) && !(scene->physics & ~posed & (unsigned)PHYSICS_BODY_FORCE)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return !(posed & ~scene->physics) && !(scene->physics & ~posed & (unsigned)PHYSICS_BODY_FORCE);
 }
 
 /* SceneMoves - Returns true if particles move with the flow */
 PetscBool SceneMoves(const Scene *scene)
 {
-  return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+  return scene->motion && scene->motion->particles_move;
 }
 
 /* BoundaryIs - Returns true if the kind of a boundary has all given properties; not collective */
 PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
 {
-  return (scene->boundary[side].kind->properties & properties) == properties ? PETSC_TRUE
-                                                                             : PETSC_FALSE;
+  return (scene->boundary[side].kind->properties & properties) == properties;
 }
 
 /* SceneIsPeriodic - Returns true if the fluid continues at both ends of an axis; not collective */
@@ -94,9 +91,8 @@ PetscBool SceneKeepsMomentum(const Scene *scene)
 /* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time */
 PetscBool SceneIsDrivenInTime(const Scene *scene)
 {
-  return scene->unsteady_walls || (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return scene->unsteady_walls ||
+         (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME));
 }
 
 /* SceneBodyForce - Computes the body force per unit mass at a position and time [m/s^2]; not

@@ -54,14 +54,14 @@ const OptionTable SpacingOptions = OPTIONS("Spacing", options);
 /* SceneIsGraded - Returns true if particles differ in size; not collective */
 PetscBool SceneIsGraded(const Scene *scene)
 {
-  return scene->grading.on || SceneIsMapped(scene) ? PETSC_TRUE : PETSC_FALSE;
+  return scene->grading.on || SceneIsMapped(scene);
 }
 
 /* SceneMovesGraded - Returns true if particles move and have a spacing that depends on place; not
    collective */
 PetscBool SceneMovesGraded(const Scene *scene)
 {
-  return SceneMoves(scene) && SceneIsGraded(scene) ? PETSC_TRUE : PETSC_FALSE;
+  return SceneMoves(scene) && SceneIsGraded(scene);
 }
 
 /* Returns the spacing that belongs to the edges of a cell. */

@@ -152,7 +152,7 @@ static PetscBool IsSteady(const Scene *scene, const Expression *e, PetscInt c)
     if (ExpressionValue(e, c, 0.37 * k * scene->length / scene->speed, NULL) != first)
       return PETSC_FALSE;
   }
-  return first != 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return first != 0.0;
 }
 
 /*
@@ -239,7 +239,7 @@ static PetscErrorCode ReadKinds(Scene *scene)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < BoundaryTable.count; k++) {
     const BoundaryRow *kind    = (const BoundaryRow *)(const void *)TableGet(&BoundaryTable, k);
-    const PetscBool    by_axis = kind->option.words == BoxAxes ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool    by_axis = kind->option.words == BoxAxes;
     unsigned           chosen;
 
     if (!kind->option.name) continue;

@@ -317,8 +317,7 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const 
   for (PetscInt k = 0; k < part->n_surface; k++) {
     PetscInt        body = -1;
     const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
-    const PetscBool wall =
-        other < 0 || (body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0]) ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool wall = other < 0 || (body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0]);
 
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,

@@ -118,14 +118,11 @@ static void AddAround(PetscInt j, const PetscReal s[], Around *around)
 /* Returns true if a wall particle gives component c of the velocity. */
 static PetscBool GivesComponent(const StrainFits *f, PetscInt j, PetscInt c)
 {
-  const PetscBool along =
-      f->sets > 1 && PetscAbsReal(f->p->normal[c][j]) < 0.5 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool along = f->sets > 1 && PetscAbsReal(f->p->normal[c][j]) < 0.5;
 
   if (f->normal && PetscAbsReal(f->p->normal[c][j]) < 1e-6) return PETSC_FALSE;
   return BoundaryEquation(f->scene, (PetscInt)f->p->side[j],
-                          along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) == EQUATION_VALUE
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+                          along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) == EQUATION_VALUE;
 }
 
 /* Computes the point of the interface nearest to a particle [m]. */
@@ -175,7 +172,7 @@ static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *
                                          : 1.05 * PetscSqrtReal(around->r2[n - 1]);
 
   f->n[i] = n;
-  *more   = wanted < around->n ? PETSC_TRUE : PETSC_FALSE;
+  *more   = wanted < around->n;
   for (PetscInt k = 0; k < n; k++) {
     f->W[k * m + i] = NearestWeight(PetscSqrtReal(around->r2[k]) / R);
     for (PetscInt a = 0; a < d; a++) f->s[a][k * m + i] = around->s[a][k] / R;
@@ -195,7 +192,7 @@ static PetscErrorCode FitGroup(PetscInt dim, PetscInt degree, Around around[], N
   PetscFunctionBegin;
   for (PetscInt i = 0; i < m; i++) todo[i] = around[i].n ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(NearestFitsCompute(dim, degree, least[dim - 2][degree - 1], todo, Fill, around, g));
-  for (PetscInt i = 0; i < m; i++) linear[i] = todo[i] && !g->fits[i] ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt i = 0; i < m; i++) linear[i] = todo[i] && !g->fits[i];
   PetscCall(NearestFitsCompute(dim, 1, least[dim - 2][0], linear, Fill, around, spare));
   for (PetscInt i = 0; i < m; i++) {
     if (!linear[i]) continue;
@@ -275,14 +272,11 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
    along the axes give some of them. */
 static PetscBool SideGives(const StrainFits *f, PetscInt side, PetscInt c)
 {
-  const PetscBool along =
-      f->sets > 1 && side < 2 * f->p->dim && side / 2 != c ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool along = f->sets > 1 && side < 2 * f->p->dim && side / 2 != c;
 
   if (f->normal && along) return PETSC_FALSE;
   return BoundaryEquation(f->scene, side, along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) ==
-                 EQUATION_VALUE
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         EQUATION_VALUE;
 }
 
 /*

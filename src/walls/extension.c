@@ -87,7 +87,7 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
       ext->edge[a] = PetscMin(PetscMax(ext->wall_point[a], scene->lo[a]), scene->hi[a]);
     d2 += PetscSqr(ext->x[a] - ext->edge[a]);
   }
-  return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
+  return ext->depth > 0.0 && d2 < PetscSqr(ext->radius);
 }
 
 /* Computes the rows of E for own wall particles, and S. */

@@ -16,8 +16,7 @@
 /* Returns true if the stencil has dummies whose velocities a factor beta extrapolates. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
-  return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend ? PETSC_TRUE
-                                                                                : PETSC_FALSE;
+  return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend;
 }
 
 /* Computes the basis of the fit along the wall at neighbour k: 1, and the tangential part of its

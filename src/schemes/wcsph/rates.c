@@ -242,7 +242,7 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   Wcsph              *w          = (Wcsph *)ctx;
   const Flow         *flow       = w->flow;
   const ComposedForm *composed   = WcsphComposed(w);
-  const PetscBool     transposed = composed && composed->transposed ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool     transposed = composed && composed->transposed;
   const unsigned      correction = transposed ? 0 : flow->ops->forms.correction->bit;
   const PetscInt      i = st->i, d = st->dim;
   Pairs              *pairs  = &w->pairs;

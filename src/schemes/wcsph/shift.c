@@ -53,7 +53,7 @@ static ISPH_WIDE void SumShift(const Stencil *st, const Pairs *pairs, PetscReal 
 /* Returns true if the sweep of the present stage also computes the shift. */
 PetscBool WcsphShifts(const Wcsph *w)
 {
-  return w->first_stage && w->flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+  return w->first_stage && w->flow->state->shift->Displace;
 }
 
 /*

@@ -81,7 +81,7 @@ PetscBool WcsphKeepsVolume(const Flow *flow)
 {
   const Wcsph *w = (const Wcsph *)flow->scheme->data;
 
-  return !w->density->sums && !SceneHasFreeSurface(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  return !w->density->sums && !SceneHasFreeSurface(flow->scene);
 }
 
 /* WcsphVolume - Computes the volume of the fluid at its present densities [m^dim]; collective */

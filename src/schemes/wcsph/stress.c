@@ -129,8 +129,7 @@ PetscErrorCode WcsphStresses(Flow *flow, Wcsph *w)
    form. */
 static PetscBool HasPressure(const Wcsph *w, PetscInt e)
 {
-  return WcsphComposed(w)->transposed && e % (w->flow->scene->dim + 1) == 0 ? PETSC_TRUE
-                                                                            : PETSC_FALSE;
+  return WcsphComposed(w)->transposed && e % (w->flow->scene->dim + 1) == 0;
 }
 
 /*

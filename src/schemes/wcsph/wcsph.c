@@ -161,8 +161,7 @@ static PetscBool KeepsRotation(const LaplacianForm *visc)
   LaplacianForm free = *visc;
 
   free.continued = PETSC_FALSE;
-  return LaplacianIs(&free, FORM_EXACT_LINEAR) || LaplacianIs(&free, FORM_ANGULAR) ? PETSC_TRUE
-                                                                                   : PETSC_FALSE;
+  return LaplacianIs(&free, FORM_EXACT_LINEAR) || LaplacianIs(&free, FORM_ANGULAR);
 }
 
 /* Prints a line if the viscous form brakes a motion without strain. */
