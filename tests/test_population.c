@@ -247,7 +247,7 @@ static void CheckSnapshot(const Setting *s, const char path[], const Population 
 
   PetscCallVoid(PetscMalloc3(N, &id, N, &type, pop->n, &found));
   PetscCallVoid(PetscArrayzero(found, pop->n));
-  ASSERT_OK(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  ASSERT_OK(Hdf5FileOpen(PETSC_COMM_WORLD, path, HDF5_READ, &file));
   ASSERT_OK(Hdf5CountRows(&file, "id", &rows, &columns));
   CloudAssertNone("rows of the file", s->name, rows != N);
   file.start = 0;

@@ -39,7 +39,7 @@ static void WriteGiven(const char path[], const Given *given)
   PetscMPIInt rank;
 
   assert_int_equal(MPI_Comm_rank(PETSC_COMM_WORLD, &rank), 0);
-  assert_int_equal(Hdf5FileCreate(PETSC_COMM_WORLD, path, HDF5_COMMON, &file), 0);
+  assert_int_equal(Hdf5FileOpen(PETSC_COMM_WORLD, path, HDF5_COMMON, &file), 0);
   file.start = 0;
   file.N     = given->rows;
   file.own   = rank ? 0 : file.N;

@@ -1,5 +1,6 @@
 /* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
 #include "hdf5file.h"
+#include <string.h>
 
 #define COMPACT_MOST 1000 /* attributes and data sets that the header of a file holds itself */
 #define ROWS_MAX                                                                                   \
@@ -7,58 +8,42 @@
 
 #define CHUNK_ROWS 16384 /* of a compressed data set: 0.1 to 0.4 MB, as HDF5 keeps in its cache */
 
-/* Records a failure of an HDF5 call; returns the result of the call. */
-static hid_t Noted(Hdf5File *file, hid_t result)
+#define TEXT_MOST ((size_t)60000) /* of an attribute [bytes] */
+
+/* Hdf5Noted - Records a failure of an HDF5 call; returns the result of the call */
+hid_t Hdf5Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;
   return result;
 }
 
-/* Opens a file, or creates it in a format, for collective access. */
-static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool create,
-                                    Hdf5Format format, Hdf5File *file)
+/*
+  Hdf5FileOpen - Opens a file of any format for reading, or creates or truncates one
+
+  Collective on comm. Hdf5FileClose() reports failures.
+*/
+PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5Use use, Hdf5File *file)
 {
   hid_t access, creation;
 
   PetscFunctionBegin;
-  file->comm    = comm;
-  file->failed  = PETSC_FALSE;
-  file->deflate = 0;
-  (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* isph prints its own messages */
-  access   = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
-  creation = Noted(file, H5Pcreate(H5P_FILE_CREATE));
-  (void)Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
-  if (format == HDF5_CHECKED) {
-    (void)Noted(file, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
-    (void)Noted(file, H5Pset_attr_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
-    (void)Noted(file, H5Pset_link_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
+  *file = (Hdf5File){.comm = comm};
+  (void)Hdf5Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* isph prints its own messages */
+  access   = Hdf5Noted(file, H5Pcreate(H5P_FILE_ACCESS));
+  creation = Hdf5Noted(file, H5Pcreate(H5P_FILE_CREATE));
+  (void)Hdf5Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
+  if (use == HDF5_CHECKED) {
+    (void)Hdf5Noted(file, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
+    (void)Hdf5Noted(file, H5Pset_attr_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
+    (void)Hdf5Noted(file, H5Pset_link_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
   }
-  file->file     = Noted(file, create ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access)
-                                      : H5Fopen(path, H5F_ACC_RDONLY, access));
-  file->transfer = Noted(file, H5Pcreate(H5P_DATASET_XFER));
-  (void)Noted(file, H5Pset_dxpl_mpio(file->transfer, H5FD_MPIO_COLLECTIVE));
-  (void)Noted(file, H5Pclose(creation));
-  (void)Noted(file, H5Pclose(access));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Hdf5FileCreate - Creates or truncates a file
-
-  Collective on comm. Input: format - of its metadata. Hdf5FileClose() reports failures.
-*/
-PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5Format format, Hdf5File *file)
-{
-  PetscFunctionBegin;
-  PetscCall(Hdf5FileBegin(comm, path, PETSC_TRUE, format, file));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Hdf5FileOpen - Opens a file of any format for reading; see Hdf5FileCreate() */
-PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
-{
-  PetscFunctionBegin;
-  PetscCall(Hdf5FileBegin(comm, path, PETSC_FALSE, HDF5_COMMON, file));
+  file->file = use == HDF5_READ ? H5Fopen(path, H5F_ACC_RDONLY, access)
+                                : H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
+  (void)Hdf5Noted(file, file->file);
+  file->transfer = Hdf5Noted(file, H5Pcreate(H5P_DATASET_XFER));
+  (void)Hdf5Noted(file, H5Pset_dxpl_mpio(file->transfer, H5FD_MPIO_COLLECTIVE));
+  (void)Hdf5Noted(file, H5Pclose(creation));
+  (void)Hdf5Noted(file, H5Pclose(access));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,8 +57,8 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
   PetscInt failed;
 
   PetscFunctionBegin;
-  (void)Noted(file, H5Pclose(file->transfer));
-  if (file->file >= 0) (void)Noted(file, H5Fclose(file->file));
+  (void)Hdf5Noted(file, H5Pclose(file->transfer));
+  if (file->file >= 0) (void)Hdf5Noted(file, H5Fclose(file->file));
   failed = file->failed ? 1 : 0;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, file->comm));
   *good = failed ? PETSC_FALSE : PETSC_TRUE;
@@ -98,23 +83,111 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes an attribute of an object, "/" for the file itself, and closes its type and its space. */
+static void WriteAttribute(Hdf5File *file, const char object[], const char name[], hid_t type,
+                           hid_t space, const void *values)
+{
+  const hid_t attribute = Hdf5Noted(file, H5Acreate_by_name(file->file, object, name, type, space,
+                                                            H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+
+  if (attribute >= 0) {
+    (void)Hdf5Noted(file, H5Awrite(attribute, type, values));
+    (void)Hdf5Noted(file, H5Aclose(attribute));
+  }
+  (void)Hdf5Noted(file, H5Tclose(type));
+  (void)Hdf5Noted(file, H5Sclose(space));
+}
+
+/* Hdf5WriteNumbers - Writes n numbers as an attribute of an object in the file; the object "/" is
+   the file itself; collective on comm */
+PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char name[], hid_t type,
+                                PetscInt n, const void *values)
+{
+  const hsize_t size = (hsize_t)n;
+
+  PetscFunctionBegin;
+  WriteAttribute(file, object, name, Hdf5Noted(file, H5Tcopy(type)),
+                 Hdf5Noted(file, H5Screate_simple(1, &size, NULL)), values);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5WriteNumber - Writes a number as an attribute of the file; collective on comm */
+PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value)
+{
+  PetscFunctionBegin;
+  WriteAttribute(file, "/", name, Hdf5Noted(file, H5Tcopy(type)),
+                 Hdf5Noted(file, H5Screate(H5S_SCALAR)), value);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a string of a length as an attribute of an object. */
+static void WriteString(Hdf5File *file, const char object[], const char name[], const char text[],
+                        size_t length, H5T_cset_t letters)
+{
+  const hid_t type = Hdf5Noted(file, H5Tcopy(H5T_C_S1));
+
+  (void)Hdf5Noted(file, H5Tset_size(type, length));
+  (void)Hdf5Noted(file, H5Tset_strpad(type, H5T_STR_NULLPAD));
+  (void)Hdf5Noted(file, H5Tset_cset(type, letters));
+  WriteAttribute(file, object, name, type, Hdf5Noted(file, H5Screate(H5S_SCALAR)), text);
+}
+
+/*
+  Hdf5WriteText - Writes a string as an attribute of an object
+
+  Collective on comm. Note: an HDF5 attribute is limited to 64 kB; a longer text is truncated.
+*/
+PetscErrorCode Hdf5WriteText(Hdf5File *file, const char object[], const char name[],
+                             const char text[])
+{
+  PetscFunctionBegin;
+  WriteString(file, object, name, text, PetscMin(strlen(text) + 1, TEXT_MOST), H5T_CSET_UTF8);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5WriteWord - Writes an ASCII word as an attribute of an object, without a terminating null;
+   collective on comm */
+PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
+                             const char word[])
+{
+  PetscFunctionBegin;
+  WriteString(file, object, name, word, strlen(word), H5T_CSET_ASCII);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Selects the rows of this rank in the space of a data set; returns their space in memory. */
+static hid_t OwnRows(Hdf5File *file, PetscInt columns, hid_t space)
+{
+  const hsize_t first[2] = {(hsize_t)file->start, 0};
+  const hsize_t count[2] = {(hsize_t)file->own, (hsize_t)columns};
+  const hid_t   memory   = Hdf5Noted(file, H5Screate_simple(columns ? 2 : 1, count, NULL));
+
+  if (file->own) {
+    (void)Hdf5Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
+  } else {
+    (void)Hdf5Noted(file, H5Sselect_none(space));
+    (void)Hdf5Noted(file, H5Sselect_none(memory));
+  }
+  return memory;
+}
+
 /* Creates a data set: contiguous, or in chunks whose sorted bytes are compressed if it has more
    rows than a chunk. */
 static hid_t CreateRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                         hid_t space)
 {
   const hsize_t chunk[2] = {CHUNK_ROWS, (hsize_t)columns};
-  const hid_t   layout   = Noted(file, H5Pcreate(H5P_DATASET_CREATE));
+  const hid_t   layout   = Hdf5Noted(file, H5Pcreate(H5P_DATASET_CREATE));
   hid_t         data;
 
   if (file->deflate && file->N > CHUNK_ROWS) {
-    (void)Noted(file, H5Pset_chunk(layout, columns ? 2 : 1, chunk));
-    (void)Noted(file, H5Pset_shuffle(layout));
-    (void)Noted(file, H5Pset_deflate(layout, (unsigned)file->deflate));
+    (void)Hdf5Noted(file, H5Pset_chunk(layout, columns ? 2 : 1, chunk));
+    (void)Hdf5Noted(file, H5Pset_shuffle(layout));
+    (void)Hdf5Noted(file, H5Pset_deflate(layout, (unsigned)file->deflate));
   }
   data = H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, layout, H5P_DEFAULT);
-  (void)Noted(file, H5Pclose(layout));
-  return Noted(file, data);
+  (void)Hdf5Noted(file, H5Pclose(layout));
+  return Hdf5Noted(file, data);
 }
 
 /*
@@ -133,72 +206,44 @@ static hid_t CreateRows(Hdf5File *file, const char name[], PetscInt columns, hid
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[])
 {
-  const hsize_t size[2]  = {(hsize_t)file->N, (hsize_t)columns};
-  const hsize_t first[2] = {(hsize_t)file->start, 0};
-  const hsize_t count[2] = {(hsize_t)file->own, (hsize_t)columns};
-  const int     rank     = columns ? 2 : 1;
+  const hsize_t size[2] = {(hsize_t)file->N, (hsize_t)columns};
+  const int     rank    = columns ? 2 : 1;
   hid_t         space, memory, data;
 
   PetscFunctionBegin;
-  space  = Noted(file, H5Screate_simple(rank, size, NULL));
-  memory = Noted(file, H5Screate_simple(rank, count, NULL));
+  space  = Hdf5Noted(file, H5Screate_simple(rank, size, NULL));
+  memory = OwnRows(file, columns, space);
   data   = CreateRows(file, name, columns, stored, space);
-  if (file->own) {
-    (void)Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
-  } else {
-    (void)Noted(file, H5Sselect_none(space));
-    (void)Noted(file, H5Sselect_none(memory));
-  }
   if (data >= 0) {
-    (void)Noted(file, H5Dwrite(data, given, memory, space, file->transfer, rows));
-    PetscCall(Hdf5WriteText(file, data, "units", units));
-    (void)Noted(file, H5Dclose(data));
+    (void)Hdf5Noted(file, H5Dwrite(data, given, memory, space, file->transfer, rows));
+    (void)Hdf5Noted(file, H5Dclose(data));
+    PetscCall(Hdf5WriteText(file, name, "units", units));
   }
-  (void)Noted(file, H5Sclose(memory));
-  (void)Noted(file, H5Sclose(space));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Hdf5WriteNumber - Writes a number as an attribute of the file; collective on comm */
-PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value)
-{
-  hid_t space, attribute;
-
-  PetscFunctionBegin;
-  space     = Noted(file, H5Screate(H5S_SCALAR));
-  attribute = Noted(file, H5Acreate2(file->file, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
-  if (attribute >= 0) {
-    (void)Noted(file, H5Awrite(attribute, type, value));
-    (void)Noted(file, H5Aclose(attribute));
-  }
-  (void)Noted(file, H5Sclose(space));
+  (void)Hdf5Noted(file, H5Sclose(memory));
+  (void)Hdf5Noted(file, H5Sclose(space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Hdf5WriteText - Writes a string as an attribute of the file or of a data set
+  Hdf5WriteTable - Writes a data set that all ranks have, of rows as in Hdf5WriteRows()
 
-  Collective on comm. Note: an HDF5 attribute is limited to 64 kB; a longer text is truncated.
+  Collective on comm; the first rank writes. The rows of this rank in `file` do not change.
 */
-PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[])
+PetscErrorCode Hdf5WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
+                              hid_t stored, hid_t given, const void *values, const char units[])
 {
-  hid_t  space, type, attribute;
-  size_t length;
+  const PetscInt start = file->start, own = file->own, N = file->N;
+  PetscMPIInt    rank;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrlen(text, &length));
-  space = Noted(file, H5Screate(H5S_SCALAR));
-  type  = Noted(file, H5Tcopy(H5T_C_S1));
-  (void)Noted(file, H5Tset_size(type, PetscMin(length + 1, (size_t)60000)));
-  (void)Noted(file, H5Tset_strpad(type, H5T_STR_NULLPAD));
-  (void)Noted(file, H5Tset_cset(type, H5T_CSET_UTF8));
-  attribute = Noted(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
-  if (attribute >= 0) {
-    (void)Noted(file, H5Awrite(attribute, type, text));
-    (void)Noted(file, H5Aclose(attribute));
-  }
-  (void)Noted(file, H5Tclose(type));
-  (void)Noted(file, H5Sclose(space));
+  PetscCallMPI(MPI_Comm_rank(file->comm, &rank));
+  file->start = 0;
+  file->own   = rank == 0 ? rows : 0;
+  file->N     = rows;
+  PetscCall(Hdf5WriteRows(file, name, columns, stored, given, values, units));
+  file->start = start;
+  file->own   = own;
+  file->N     = N;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -221,13 +266,13 @@ PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, Pet
   hid_t   data, space;
 
   PetscFunctionBegin;
-  data = Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
+  data = Hdf5Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
   if (data >= 0) {
-    space = Noted(file, H5Dget_space(data));
-    if (Noted(file, H5Sget_simple_extent_ndims(space)) > 2) file->failed = PETSC_TRUE;
-    else (void)Noted(file, H5Sget_simple_extent_dims(space, size, NULL));
-    (void)Noted(file, H5Sclose(space));
-    (void)Noted(file, H5Dclose(data));
+    space = Hdf5Noted(file, H5Dget_space(data));
+    if (Hdf5Noted(file, H5Sget_simple_extent_ndims(space)) > 2) file->failed = PETSC_TRUE;
+    else (void)Hdf5Noted(file, H5Sget_simple_extent_dims(space, size, NULL));
+    (void)Hdf5Noted(file, H5Sclose(space));
+    (void)Hdf5Noted(file, H5Dclose(data));
   }
   if (size[0] > ROWS_MAX || size[1] > ROWS_MAX) {
     file->failed = PETSC_TRUE;
@@ -252,9 +297,9 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
   PetscFunctionBegin;
   *full = PETSC_FALSE;
   if (data < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  space    = Noted(file, H5Dget_space(data));
-  type     = Noted(file, H5Dget_type(data));
-  creation = Noted(file, H5Dget_create_plist(data));
+  space    = Hdf5Noted(file, H5Dget_space(data));
+  type     = Hdf5Noted(file, H5Dget_type(data));
+  creation = Hdf5Noted(file, H5Dget_create_plist(data));
   if (H5Pget_layout(creation) == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0) {
     const hssize_t values = H5Sget_simple_extent_npoints(space);
     const size_t   size   = H5Tget_size(type); /* 0: a type of no size, in a damaged file */
@@ -263,10 +308,10 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
                 ? PETSC_TRUE
                 : PETSC_FALSE;
   }
-  (void)Noted(file, H5Pclose(creation));
-  (void)Noted(file, H5Tclose(type));
-  (void)Noted(file, H5Sclose(space));
-  (void)Noted(file, H5Dclose(data));
+  (void)Hdf5Noted(file, H5Pclose(creation));
+  (void)Hdf5Noted(file, H5Tclose(type));
+  (void)Hdf5Noted(file, H5Sclose(space));
+  (void)Hdf5Noted(file, H5Dclose(data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,47 +323,39 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                             void *rows)
 {
-  const hsize_t first[2] = {(hsize_t)file->start, 0};
-  const hsize_t count[2] = {(hsize_t)file->own, (hsize_t)columns};
-  hid_t         space, memory, data;
+  hid_t space, memory, data;
 
   PetscFunctionBegin;
-  data = Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
+  data = Hdf5Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
   if (data < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  space  = Noted(file, H5Dget_space(data));
-  memory = Noted(file, H5Screate_simple(columns ? 2 : 1, count, NULL));
-  if (file->own) {
-    (void)Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
-  } else {
-    (void)Noted(file, H5Sselect_none(space));
-    (void)Noted(file, H5Sselect_none(memory));
-  }
-  (void)Noted(file, H5Dread(data, given, memory, space, file->transfer, rows));
-  (void)Noted(file, H5Sclose(memory));
-  (void)Noted(file, H5Sclose(space));
-  (void)Noted(file, H5Dclose(data));
+  space  = Hdf5Noted(file, H5Dget_space(data));
+  memory = OwnRows(file, columns, space);
+  (void)Hdf5Noted(file, H5Dread(data, given, memory, space, file->transfer, rows));
+  (void)Hdf5Noted(file, H5Sclose(memory));
+  (void)Hdf5Noted(file, H5Sclose(space));
+  (void)Hdf5Noted(file, H5Dclose(data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Opens an attribute that holds a single value of a class; other attributes are failures. */
 static hid_t AttributeOpen(Hdf5File *file, const char name[], H5T_class_t wanted)
 {
-  const hid_t attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  const hid_t attribute = Hdf5Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
   hid_t       space, type;
   PetscBool   fits;
 
   if (attribute < 0) return attribute;
-  space = Noted(file, H5Aget_space(attribute));
-  type  = Noted(file, H5Aget_type(attribute));
+  space = Hdf5Noted(file, H5Aget_space(attribute));
+  type  = Hdf5Noted(file, H5Aget_type(attribute));
   fits  = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == wanted &&
                  H5Tis_variable_str(type) <= 0
               ? PETSC_TRUE
               : PETSC_FALSE;
-  (void)Noted(file, H5Tclose(type));
-  (void)Noted(file, H5Sclose(space));
+  (void)Hdf5Noted(file, H5Tclose(type));
+  (void)Hdf5Noted(file, H5Sclose(space));
   if (fits) return attribute;
-  (void)Noted(file, H5Aclose(attribute));
-  return Noted(file, -1);
+  (void)Hdf5Noted(file, H5Aclose(attribute));
+  return Hdf5Noted(file, -1);
 }
 
 /* Hdf5ReadNumber - Reads a number from an attribute of the file; collective on comm */
@@ -329,8 +366,8 @@ PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, voi
   PetscFunctionBegin;
   attribute = AttributeOpen(file, name, H5Tget_class(type));
   if (attribute >= 0) {
-    (void)Noted(file, H5Aread(attribute, type, value));
-    (void)Noted(file, H5Aclose(attribute));
+    (void)Hdf5Noted(file, H5Aread(attribute, type, value));
+    (void)Hdf5Noted(file, H5Aclose(attribute));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -345,13 +382,13 @@ PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size
   text[0]   = '\0';
   attribute = AttributeOpen(file, name, H5T_STRING);
   if (attribute >= 0) {
-    type = Noted(file, H5Tcopy(H5T_C_S1));
-    (void)Noted(file, H5Tset_size(type, length));
-    (void)Noted(file, H5Tset_strpad(type, H5T_STR_NULLTERM));
-    (void)Noted(file, H5Tset_cset(type, H5T_CSET_UTF8));
-    (void)Noted(file, H5Aread(attribute, type, text));
-    (void)Noted(file, H5Tclose(type));
-    (void)Noted(file, H5Aclose(attribute));
+    type = Hdf5Noted(file, H5Tcopy(H5T_C_S1));
+    (void)Hdf5Noted(file, H5Tset_size(type, length));
+    (void)Hdf5Noted(file, H5Tset_strpad(type, H5T_STR_NULLTERM));
+    (void)Hdf5Noted(file, H5Tset_cset(type, H5T_CSET_UTF8));
+    (void)Hdf5Noted(file, H5Aread(attribute, type, text));
+    (void)Hdf5Noted(file, H5Tclose(type));
+    (void)Hdf5Noted(file, H5Aclose(attribute));
   }
   text[length - 1] = '\0';
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,11 +9,12 @@
 #include "isph/io.h"
 #include <hdf5.h>
 
-/* Formats of the metadata of a file: headers, names, shapes, types and attributes. */
+/* Uses of a file, with the format of its metadata: headers, names, shapes, types, attributes. */
 typedef enum {
-  HDF5_COMMON, /* the earliest, which every reader accepts */
+  HDF5_READ,
+  HDF5_COMMON, /* written in the earliest format, which every reader accepts */
   HDF5_CHECKED /* of HDF5 1.8, with checksums: HDF5 itself notices damage before it uses them */
-} Hdf5Format;
+} Hdf5Use;
 
 typedef struct {
   MPI_Comm  comm;
@@ -23,15 +24,18 @@ typedef struct {
   PetscInt  deflate;        /* compression of long data sets to be written, 0 (none) to 9 */
 } Hdf5File;
 
-PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5Format format, Hdf5File *file);
-PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file);
+hid_t          Hdf5Noted(Hdf5File *file, hid_t result);
+PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5Use use, Hdf5File *file);
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good);
 PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[],
                               PetscBool *good);
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[]);
+PetscErrorCode Hdf5WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
+                              hid_t stored, hid_t given, const void *values, const char units[]);
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value);
-PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[]);
+PetscErrorCode Hdf5WriteText(Hdf5File *file, const char object[], const char name[],
+                             const char text[]);
 PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[]);
 PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char name[], hid_t type,
                                 PetscInt n, const void *values);

@@ -1,12 +1,5 @@
-/* Parallel HDF5: groups, attributes of any object, and second names of data sets. */
+/* Parallel HDF5: groups, second names of data sets, and the scene as attributes. */
 #include "hdf5file.h"
-
-/* Records a failure of an HDF5 call; returns the result of the call. */
-static hid_t Noted(Hdf5File *file, hid_t result)
-{
-  if (result < 0) file->failed = PETSC_TRUE;
-  return result;
-}
 
 /* Hdf5GroupCreate - Creates a group; collective on comm */
 PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[])
@@ -14,53 +7,8 @@ PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[])
   hid_t group;
 
   PetscFunctionBegin;
-  group = Noted(file, H5Gcreate2(file->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-  if (group >= 0) (void)Noted(file, H5Gclose(group));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Writes an attribute of an object in the file; the object "/" is the file itself. */
-static void WriteAttribute(Hdf5File *file, const char object[], const char name[], hid_t type,
-                           hid_t space, const void *values)
-{
-  const hid_t attribute = Noted(file, H5Acreate_by_name(file->file, object, name, type, space,
-                                                        H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-
-  if (attribute < 0) return;
-  (void)Noted(file, H5Awrite(attribute, type, values));
-  (void)Noted(file, H5Aclose(attribute));
-}
-
-/* Hdf5WriteNumbers - Writes n numbers as an attribute of an object in the file; the object "/" is
-   the file itself; collective on comm */
-PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char name[], hid_t type,
-                                PetscInt n, const void *values)
-{
-  const hsize_t size  = (hsize_t)n;
-  const hid_t   space = Noted(file, H5Screate_simple(1, &size, NULL));
-
-  PetscFunctionBegin;
-  WriteAttribute(file, object, name, type, space, values);
-  (void)Noted(file, H5Sclose(space));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Hdf5WriteWord - Writes an ASCII word as an attribute of an object, without a terminating null;
-   collective on comm */
-PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
-                             const char word[])
-{
-  const hid_t space = Noted(file, H5Screate(H5S_SCALAR));
-  const hid_t type  = Noted(file, H5Tcopy(H5T_C_S1));
-  size_t      length;
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrlen(word, &length));
-  (void)Noted(file, H5Tset_size(type, length));
-  (void)Noted(file, H5Tset_strpad(type, H5T_STR_NULLPAD));
-  WriteAttribute(file, object, name, type, space, word);
-  (void)Noted(file, H5Tclose(type));
-  (void)Noted(file, H5Sclose(space));
+  group = Hdf5Noted(file, H5Gcreate2(file->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  if (group >= 0) (void)Hdf5Noted(file, H5Gclose(group));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,8 +39,8 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
   }
   PetscCall(
       Hdf5WriteNumbers(file, "/", "boundary_ids", H5T_NATIVE_INT, SceneBoundaries(scene), ids));
-  PetscCall(Hdf5WriteText(file, file->file, "boundary_names", names));
-  PetscCall(Hdf5WriteText(file, file->file, "boundary_kinds", kinds));
+  PetscCall(Hdf5WriteText(file, "/", "boundary_names", names));
+  PetscCall(Hdf5WriteText(file, "/", "boundary_kinds", kinds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,7 +82,7 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d_ends", (int)k + 1));
     PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, 2, ends));
   }
-  PetscCall(Hdf5WriteText(file, file->file, "body_shapes", shapes));
+  PetscCall(Hdf5WriteText(file, "/", "body_shapes", shapes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,7 +90,8 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
 PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[])
 {
   PetscFunctionBegin;
-  (void)Noted(file, H5Lcreate_hard(file->file, name, file->file, link, H5P_DEFAULT, H5P_DEFAULT));
+  (void)Hdf5Noted(file,
+                  H5Lcreate_hard(file->file, name, file->file, link, H5P_DEFAULT, H5P_DEFAULT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,21 +103,21 @@ PetscErrorCode Hdf5Widen(Hdf5File *file, const char name[], PetscInt columns, co
   const hsize_t narrow_size[2] = {(hsize_t)file->N, (hsize_t)columns}, first[2] = {0, 0};
   const hsize_t wide_size[2] = {(hsize_t)file->N, (hsize_t)wide_columns};
   const double  zero         = 0.0;
-  const hid_t   from         = Noted(file, H5Screate_simple(2, narrow_size, NULL));
-  const hid_t   to           = Noted(file, H5Screate_simple(2, wide_size, NULL));
-  const hid_t   create       = Noted(file, H5Pcreate(H5P_DATASET_CREATE));
+  const hid_t   from         = Hdf5Noted(file, H5Screate_simple(2, narrow_size, NULL));
+  const hid_t   to           = Hdf5Noted(file, H5Screate_simple(2, wide_size, NULL));
+  const hid_t   create       = Hdf5Noted(file, H5Pcreate(H5P_DATASET_CREATE));
   hid_t         data;
 
   PetscFunctionBegin;
-  (void)Noted(file, H5Sselect_hyperslab(to, H5S_SELECT_SET, first, NULL, narrow_size, NULL));
-  (void)Noted(file, H5Pset_virtual(create, to, ".", name, from));
-  (void)Noted(file, H5Pset_fill_value(create, H5T_NATIVE_DOUBLE, &zero));
-  (void)Noted(file, H5Sselect_all(to));
-  data = Noted(file,
-               H5Dcreate2(file->file, wide, H5T_IEEE_F64LE, to, H5P_DEFAULT, create, H5P_DEFAULT));
-  if (data >= 0) (void)Noted(file, H5Dclose(data));
-  (void)Noted(file, H5Pclose(create));
-  (void)Noted(file, H5Sclose(to));
-  (void)Noted(file, H5Sclose(from));
+  (void)Hdf5Noted(file, H5Sselect_hyperslab(to, H5S_SELECT_SET, first, NULL, narrow_size, NULL));
+  (void)Hdf5Noted(file, H5Pset_virtual(create, to, ".", name, from));
+  (void)Hdf5Noted(file, H5Pset_fill_value(create, H5T_NATIVE_DOUBLE, &zero));
+  (void)Hdf5Noted(file, H5Sselect_all(to));
+  data = Hdf5Noted(
+      file, H5Dcreate2(file->file, wide, H5T_IEEE_F64LE, to, H5P_DEFAULT, create, H5P_DEFAULT));
+  if (data >= 0) (void)Hdf5Noted(file, H5Dclose(data));
+  (void)Hdf5Noted(file, H5Pclose(create));
+  (void)Hdf5Noted(file, H5Sclose(to));
+  (void)Hdf5Noted(file, H5Sclose(from));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

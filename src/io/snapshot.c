@@ -165,21 +165,21 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
   }
   PetscCall(Hdf5WriteNumber(file, "step", H5T_NATIVE_INT, &step));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
-  PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
+  PetscCall(Hdf5WriteText(file, "/", "case", scene->problem->name));
   PetscCall(Hdf5WriteBoundaries(scene, file));
   PetscCall(Hdf5WriteGeometry(scene, file));
-  PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
-  PetscCall(Hdf5WriteText(file, file->file, "commit", VersionCommit()));
+  PetscCall(Hdf5WriteText(file, "/", "version", ISPH_VERSION));
+  PetscCall(Hdf5WriteText(file, "/", "commit", VersionCommit()));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%d.%d.%d", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
                           PETSC_VERSION_SUBMINOR));
-  PetscCall(Hdf5WriteText(file, file->file, "petsc_version", text));
+  PetscCall(Hdf5WriteText(file, "/", "petsc_version", text));
   if (H5get_libversion(&major, &minor, &release) < 0) file->failed = PETSC_TRUE;
   PetscCall(PetscSNPrintf(text, sizeof(text), "%u.%u.%u", major, minor, release));
-  PetscCall(Hdf5WriteText(file, file->file, "hdf5_version", text));
-  PetscCall(Hdf5WriteText(file, file->file, "units",
-                          "SI; time in s, the other units stand at their data sets"));
+  PetscCall(Hdf5WriteText(file, "/", "hdf5_version", text));
+  PetscCall(
+      Hdf5WriteText(file, "/", "units", "SI; time in s, the other units stand at their data sets"));
   PetscCall(PetscOptionsGetAll(NULL, &options));
-  PetscCall(Hdf5WriteText(file, file->file, "options", options));
+  PetscCall(Hdf5WriteText(file, "/", "options", options));
   PetscCall(PetscFree(options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -208,7 +208,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCall(SnapshotPath(s, number, path));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
-  PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, HDF5_COMMON, &file));
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, part, HDF5_COMMON, &file));
   file.deflate = s->compression;
   if (file.file >= 0) {
     PetscCall(SnapshotAttributes(flow, &file));

@@ -10,22 +10,12 @@
 
 #define VTK_POLY_VERTEX 2
 
-/* Writes a short list of whole numbers from the first rank. Collective. */
+/* Writes a short list of whole numbers. Collective. */
 static PetscErrorCode WriteList(Hdf5File *file, const char name[], PetscInt n,
                                 const long long list[], hid_t stored)
 {
-  const PetscInt start = file->start, own = file->own, N = file->N;
-  PetscMPIInt    rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(file->comm, &rank));
-  file->start = 0;
-  file->own   = rank == 0 ? n : 0;
-  file->N     = n;
-  PetscCall(Hdf5WriteRows(file, name, 0, stored, H5T_NATIVE_LLONG, list, "1"));
-  file->start = start;
-  file->own   = own;
-  file->N     = N;
+  PetscCall(Hdf5WriteTable(file, name, n, 0, stored, H5T_NATIVE_LLONG, list, "1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

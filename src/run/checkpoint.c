@@ -93,15 +93,10 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                  const double values[], uint64_t *sum)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
   if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(file->comm, &rank));
-  file->start = 0;
-  file->own   = rank == 0 ? rows : 0;
-  file->N     = rows;
-  PetscCall(Hdf5WriteRows(file, name, columns, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, "SI"));
+  PetscCall(
+      Hdf5WriteTable(file, name, rows, columns, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, "SI"));
   CheckpointSumNumbers(rows * columns, values, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,7 +122,7 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
     PetscCall(PetscStrlcat(names, ",", (size_t)(33 * n_report + 1)));
   }
   PetscCall(Hdf5WriteNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
-  PetscCall(Hdf5WriteText(file, file->file, "report_names", names));
+  PetscCall(Hdf5WriteText(file, "/", "report_names", names));
   CheckpointSumText(names, sum);
   PetscCall(WriteTable(file, "report", n_report, 4, rows, sum));
   SnapshotsGet(run->snapshots, &rows[4 * n_report]);
@@ -167,8 +162,8 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 
   PetscFunctionBegin;
   PetscCall(Hdf5WriteNumber(file, "format", H5T_NATIVE_INT, &format));
-  PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
-  PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
+  PetscCall(Hdf5WriteText(file, "/", "version", ISPH_VERSION));
+  PetscCall(Hdf5WriteText(file, "/", "case", scene->problem->name));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
   PetscCall(Hdf5WriteBoundaries(scene, file));
   PetscCall(Hdf5WriteNumber(file, "fluid_at_start", H5T_NATIVE_LLONG, &N_fluid));
@@ -176,9 +171,9 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(Hdf5WriteNumber(file, "next_id", H5T_NATIVE_LLONG, &next_id));
   CheckpointSumNumbers(1, &next, sum);
   PetscCall(CheckpointRecord(p, names, sizeof(names)));
-  PetscCall(Hdf5WriteText(file, file->file, "record", names));
+  PetscCall(Hdf5WriteText(file, "/", "record", names));
   PetscCall(CheckpointMemory(memory, names, sizeof(names)));
-  PetscCall(Hdf5WriteText(file, file->file, "memory_names", names));
+  PetscCall(Hdf5WriteText(file, "/", "memory_names", names));
   CheckpointSumText(names, sum);
   for (PetscInt k = 0; (entry = CheckpointSceneEntry(k)); k++) {
     PetscCall(entry->Compute(scene, numbers));
@@ -230,7 +225,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(FileReserve(part, bytes, &good));
   if (good) {
-    PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, HDF5_CHECKED, &file));
+    PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, part, HDF5_CHECKED, &file));
     if (file.file >= 0) {
       PetscCall(WriteState(run, &file, &sum));
       PetscCall(WriteKept(run->flow.scheme, &file, &sum));

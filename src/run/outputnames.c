@@ -166,7 +166,7 @@ static PetscErrorCode KeepForeignFile(void)
   PetscCall(FirstRankDecides(&there));
   PetscCall(FirstRankDecides(&good));
   if (good) {
-    PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+    PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, HDF5_READ, &file));
     if (file.file >= 0) {
       if (H5Lexists(file.file, "memory", H5P_DEFAULT) == 0) good = PETSC_FALSE;
       PetscCall(Hdf5FileClose(&file, &closed));

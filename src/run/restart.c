@@ -360,7 +360,7 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscFunctionBegin;
   *restarted = path[0] ? PETSC_TRUE : PETSC_FALSE;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, HDF5_READ, &file));
   PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-restart %s: is absent, no HDF5 file, or a truncated one", path);
   PetscCall(RestartRefuse(run, path, &file));

@@ -147,7 +147,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscCall(OptionGetFile(&options[0], path));
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionsRefuseTogether("-particles", "-jitter", "it displaces a lattice"));
-  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, HDF5_READ, &file));
   PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-particles %s: is absent, no HDF5 file, or a truncated one", path);
   PetscCall(ReadParticles(scene->dim, &file, start, &columns, &row));
