@@ -28,7 +28,7 @@ static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *
 {
   Search             *search = (Search *)ctx;
   const SplineAround *around = search->around;
-  const PetscInt      m      = around->m;
+  const PetscInt      dim = search->flow->particles->dim, m = 1 << dim;
   PetscReal           inverse;
 
   PetscFunctionBegin;
@@ -40,7 +40,7 @@ static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *
 
     f->j[e * m + i] = around->j[k];
     f->W[e * m + i] = NearestWeight(PetscSqrtReal(around->r2[k]) * inverse);
-    for (PetscInt a = 0; a < search->flow->particles->dim; a++)
+    for (PetscInt a = 0; a < dim; a++)
       f->s[a][e * m + i] = around->stretch[a][i] * (around->x[a][k] - around->at[a][i]) * inverse;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,7 +104,7 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
   for (PetscInt i = 0; i < around->m; i++) {
     if (!f->n[i] || f->fits[i]) continue;
     flow->ops->regularised_rows++;
-    SetMean(around->m, i, f);
+    SetMean(1 << dim, i, f);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -167,7 +167,7 @@ static PetscErrorCode FitCell(Flow *flow, PetscInt sets, SplineAround *around, C
   PetscFunctionBegin;
   for (PetscInt i = 0; i < around->m; i++) f->oblique[i] = SplineIsNearOblique(flow, i, around);
   for (PetscInt c = 0; c < sets; c++) {
-    PetscBool todo[POINT_FITS];
+    PetscBool todo[POINT_FITS] = {PETSC_FALSE}; /* a cell may have fewer points here */
 
     for (PetscInt i = 0; i < around->m; i++) {
       f->shared[c][i] = c;
