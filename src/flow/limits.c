@@ -27,13 +27,12 @@ PetscReal SurfaceStep(const Scene *scene)
 }
 
 /*
-  ProjectionFreeLimit - Returns the longest step of the projection with a free surface,
-  0.1 dx^2/nu; infinity without one, and with a viscosity that varies [s]
+  ProjectionFreeLimit - Returns the step of the projection with a free surface, 0.1 dx^2/nu;
+  infinity without one, and with a viscosity that varies [s]
 
-  Not collective. With the pressure 2 mu n.E n of the last velocity drop_mode was stable up to 0.2
-  dx^2/nu. With that of u* a column was stable at 0.4 dx^2/nu, but its front less accurate. With a
-  viscosity that varies, rows beside the surface have pair forces without this term: a Bingham
-  column (options/heap.opts) was stable in steps of 80 dx^2/nu.
+  Not collective. Steps up to 0.5 dx^2/nu are stable, but thin films lose accuracy: docs/tried.md.
+  With a viscosity that varies, rows beside the surface have pair forces without the pressure of u*:
+  a Bingham column (options/heap.opts) was stable in steps of 80 dx^2/nu.
 */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {

@@ -26,20 +26,20 @@ PetscErrorCode SurfaceStressFree(SurfaceStress *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SurfaceStressAssemble - Creates the matrices for the present operators; collective */
+/* SurfaceStressAssemble - Creates Z and G for the present operators; collective */
 PetscErrorCode SurfaceStressAssemble(const Viscosity *v)
 {
   const Operators *ops   = v->flow->ops;
   const Particles *p     = v->flow->particles;
   const Scene     *scene = v->flow->scene;
   SurfaceStress   *s     = v->surface;
-  const PetscReal *holds;
+  const PetscReal *holds; /* the kind of particles on the surface, 0 of others */
 
   PetscFunctionBegin;
   if (!s || s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SurfaceStressFree(s));
   s->assemblies = ops->assemblies;
-  holds         = ops->free->kind; /* SURFACE_INSIDE is 0 */
+  holds         = ops->free->kind;
   PetscCall(AffineBlock(p, &ops->rows,
                         &(AffineLayout){1, v->dim, scene->rho * scene->nu, NULL, NULL, holds},
                         ops->div, &s->Z));
@@ -157,45 +157,25 @@ PetscErrorCode SurfaceStressSet(const Viscosity *v, PetscReal shift, Mat J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes Z u of wall velocities, for a fluid at rest [Pa]. */
-static PetscErrorCode StressOfWalls(Flow *flow, Vec stress)
-{
-  Vec          zero[ISPH_MAX_DIM] = {NULL}, rest;
-  PetscScalar *value;
-
-  PetscFunctionBegin;
-  PetscCall(FlowGetWork(flow, &rest));
-  PetscCall(VecZeroEntries(rest));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) zero[a] = rest;
-  PetscCall(FlowMassRows(flow, zero, stress));
-  PetscCall(FlowRestoreWork(flow, &rest));
-  PetscCall(VecGetArray(stress, &value));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    value[i] *= FreeSurfaceHolds(flow->ops->free, i) ? flow->scene->rho * flow->scene->nu : 0.0;
-  PetscCall(VecRestoreArray(stress, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SurfaceStressBoundary - Computes the wall part of the term for the present wall velocities;
-   collective */
+/* SurfaceStressBoundary - Computes the wall part of the term for the present wall velocities, the
+   term of a fluid at rest; collective */
 PetscErrorCode SurfaceStressBoundary(const Viscosity *v)
 {
-  Flow          *flow = v->flow;
-  SurfaceStress *s    = v->surface;
-  Vec            stress, gradient;
+  const Scene   *scene              = v->flow->scene;
+  SurfaceStress *s                  = v->surface;
+  Vec            zero[ISPH_MAX_DIM] = {NULL}, rest, stress;
 
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!s->boundary) PetscCall(VelocityVec(flow->particles, &s->boundary));
-  PetscCall(FlowGetWork(flow, &stress));
-  PetscCall(FlowGetWork(flow, &gradient));
-  PetscCall(StressOfWalls(flow, stress));
-  for (PetscInt a = 0; a < v->dim; a++) {
-    PetscCall(AffineApply(&flow->ops->grad_p[a], stress, NULL, gradient));
-    PetscCall(VecScale(gradient, -1.0 / flow->scene->rho));
-    PetscCall(VecStrideScatter(gradient, a, s->boundary, INSERT_VALUES));
-  }
-  PetscCall(FlowRestoreWork(flow, &gradient));
-  PetscCall(FlowRestoreWork(flow, &stress));
+  if (!s->boundary) PetscCall(VelocityVec(v->flow->particles, &s->boundary));
+  PetscCall(FlowGetWork(v->flow, &rest));
+  PetscCall(FlowGetWork(v->flow, &stress));
+  PetscCall(VecZeroEntries(rest));
+  for (PetscInt a = 0; a < v->dim; a++) zero[a] = rest;
+  PetscCall(FlowMassRows(v->flow, zero, stress));
+  PetscCall(VecScale(stress, scene->rho * scene->nu));
+  PetscCall(MatMult(s->G, stress, s->boundary));
+  PetscCall(FlowRestoreWork(v->flow, &stress));
+  PetscCall(FlowRestoreWork(v->flow, &rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

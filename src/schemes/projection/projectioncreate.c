@@ -200,11 +200,11 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   UserCheck(!flow->clock->steady_solve,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
-  UserCheck(flow->clock->dt_given <= 2.0 * ProjectionFreeLimit(scene),
-            "-dt %.6g: with a free surface and -scheme %s at most %.3g s, 0.2 dx^2/nu; use -scheme "
+  UserCheck(flow->clock->dt_given <= 5.0 * ProjectionFreeLimit(scene),
+            "-dt %.6g: with a free surface and -scheme %s at most %.3g s, 0.5 dx^2/nu; use -scheme "
             "coupled for longer steps",
             (double)flow->clock->dt_given, flow->scheme->row->name,
-            (double)(2.0 * ProjectionFreeLimit(scene)));
+            (double)(5.0 * ProjectionFreeLimit(scene)));
   PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
