@@ -27,6 +27,9 @@ PetscInt       FreeSurfaceOpenings(const Scene *scene, const Particles *particle
 PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
                                   const Neighbors *neighbors, const FreeSurface *free, PetscInt i,
                                   PetscInt wall);
+PetscInt       FreeSurfaceListTouched(const Scene *scene, const Particles *particles,
+                                      const Neighbors *neighbors, PetscInt i, PetscReal *const x[],
+                                      PetscInt list[]);
 PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 PetscInt       FreeSurfaceNearestWall(const Scene *scene, const Particles *particles,
                                       const Neighbors *neighbors, PetscInt i, PetscReal most);

@@ -23,7 +23,8 @@
 
 /* Sets the right-hand side of lap f = 2/R^2 sum_a s_a^2 c_aa, c_aa the coefficient of (X_a/R)^2 and
    s_a the stretch of the axis. */
-static inline void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt width, PetscReal b[])
+static ISPH_INLINE void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt width,
+                                        PetscReal b[])
 {
   for (PetscInt a = 0; a < dim; a++)
     b[(dim + a * (a + 1) / 2 + a) * width] = 2.0 * PetscSqr(st->stretch[a]) / PetscSqr(st->radius);
@@ -33,8 +34,8 @@ static inline void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt wid
   Sets the right-hand side m = sum_k W_k phi_k of the filter, with neighbours k that give a value:
   only values determine the constant of a fit. Returns W(0) + sum_k W_k.
 */
-static inline PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt width,
-                                     PetscReal m[])
+static ISPH_INLINE PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt width,
+                                          PetscReal m[])
 {
   const PetscInt stride = st->capacity, n = LanesPadded(st->n);
   PetscReal     *value = st->fit.value, sum = st->self[0];
@@ -48,8 +49,9 @@ static inline PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt
 }
 
 /* Computes the row of the filter from the solution c of M c = m; sum: from FilterColumn(). */
-static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt width, PetscReal sum,
-                                 const PetscReal m[], const PetscReal c[], PetscReal w[])
+static ISPH_INLINE void FilterWeights(const Stencil *st, PetscInt terms, PetscInt width,
+                                      PetscReal sum, const PetscReal m[], const PetscReal c[],
+                                      PetscReal w[])
 {
   MlsWeights(st, terms, width, c, w);
   for (PetscInt t = 0; t < terms; t++) sum -= m[t] * c[t * width];
@@ -62,7 +64,7 @@ static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt wid
 
 /* Sets the row of a Laplacian that needs no more than a neighbour, 2 d sum_k W_k (f_k - f_i) over
    sum_k W_k r_k^2; exact for |X|^2. */
-static inline void LaplacianOfDistances(Stencil *st)
+static ISPH_INLINE void LaplacianOfDistances(Stencil *st)
 {
   PetscReal sum = 0.0;
 
@@ -80,7 +82,7 @@ static inline void LaplacianOfDistances(Stencil *st)
   st->least_degree. A fit of the least degree is regularised then, see MlsSolve(), and
   st->regularised counts it.
 */
-static inline PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
+static ISPH_INLINE PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
 {
   const PetscInt terms = MlsTerms(dim, degree), width = MlsWidth(terms + dim + 2), filter = terms,
                  laplacian = terms + 1, gradient = terms + 2;
@@ -105,7 +107,7 @@ static inline PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
   return PETSC_TRUE;
 }
 
-static PetscBool FitOfDegree(Stencil *st, PetscInt degree)
+static ISPH_WIDE PetscBool FitOfDegree(Stencil *st, PetscInt degree)
 {
   if (degree == 1) return st->dim == 2 ? Fit(st, 2, 1) : Fit(st, 3, 1);
   if (st->dim == 2)

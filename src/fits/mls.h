@@ -15,7 +15,7 @@
 #define MLS_QUADRATIC_VECTOR_WIDTH 28
 
 /* Returns the number of monomials of degree d of the axes 0 to last. */
-static inline PetscInt MlsMonomials(PetscInt last, PetscInt d)
+static ISPH_INLINE PetscInt MlsMonomials(PetscInt last, PetscInt d)
 {
   PetscInt count = 1;
 
@@ -24,7 +24,7 @@ static inline PetscInt MlsMonomials(PetscInt last, PetscInt d)
 }
 
 /* Returns the number of monomials of degree 1 to `degree`. */
-static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
+static ISPH_INLINE PetscInt MlsTerms(PetscInt dim, PetscInt degree)
 {
   PetscInt terms = 0;
 
@@ -33,15 +33,15 @@ static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
 }
 
 /* Returns the length of the rows of a system, so that rows need no remainder either. */
-static inline PetscInt MlsWidth(PetscInt columns)
+static ISPH_INLINE PetscInt MlsWidth(PetscInt columns)
 {
   return (columns + 3) / 4 * 4;
 }
 
 /* Computes n.grad of the basis at wall neighbour k, times the length st->scale; in: phi - the basis
    at k; out: its derivative in its place. */
-static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
-                                            PetscInt k, PetscInt stride, PetscReal phi[])
+static ISPH_INLINE void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
+                                                 PetscInt k, PetscInt stride, PetscReal phi[])
 {
   PetscReal value[MLS_MAX_TERMS], s[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
   PetscInt  lower = 0, t = dim;
@@ -69,7 +69,7 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
   `scale` is st->scale for n.grad f, otherwise 1. The monomials of degree d that begin with s_a are
   s_a times the first monomials of degree d - 1. A neighbour without an equation has the weight 0.
 */
-static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
+static ISPH_INLINE void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
 {
   const PetscInt  stride = st->capacity, n = LanesPadded(st->n);
   const PetscReal over = 1.0 / st->radius;
@@ -102,8 +102,8 @@ static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
   Input: W - weights of the neighbours, padded; width - length of the rows of M. Output: M - block
   of terms x terms.
 */
-static inline void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal W[],
-                              PetscInt width, PetscReal M[])
+static ISPH_INLINE void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal W[],
+                                   PetscInt width, PetscReal M[])
 {
   const PetscInt   stride = st->capacity, n = LanesPadded(st->n);
   const PetscReal *phi      = st->fit.phi;
@@ -119,8 +119,8 @@ static inline void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal
 
 /* Computes the weights w_k = scale W_k sum_t c_t phi_t of the data of all neighbours, with the
    scale of MlsBasis(); the entries of c are `width` apart. */
-static inline void MlsWeights(const Stencil *st, PetscInt terms, PetscInt width,
-                              const PetscReal c[], PetscReal w[])
+static ISPH_INLINE void MlsWeights(const Stencil *st, PetscInt terms, PetscInt width,
+                                   const PetscReal c[], PetscReal w[])
 {
   const PetscInt   stride = st->capacity;
   const PetscReal *phi = st->fit.phi, *W = st->fit.W;
@@ -137,14 +137,15 @@ static inline void MlsWeights(const Stencil *st, PetscInt terms, PetscInt width,
 }
 
 /*
-  Solves M X = B by Gauss elimination without pivoting, for a symmetric positive definite M
+  Solves M X = B by Gauss elimination without pivoting, for a symmetric positive definite M, of
+  which it reads the entries on and above the diagonal
 
   Input/Output Parameter:
 . a - n rows of `width` numbers: M, then B; out: X in place of B
 
   Returns: PETSC_FALSE if a pivot is at most the share `weak` of its diagonal entry
 */
-static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal weak, PetscReal a[])
+static ISPH_INLINE PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal weak, PetscReal a[])
 {
   PetscReal least[MLS_VECTOR_TERMS], inverse[MLS_VECTOR_TERMS];
 
@@ -159,7 +160,7 @@ static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal weak,
 
       if (factor == 0.0) continue; /* vectors beside flat walls: uncoupled components */
 #pragma omp simd
-      for (PetscInt c = 0; c < width; c++) a[i * width + c] -= factor * pivot[c];
+      for (PetscInt c = i / 4 * 4; c < width; c++) a[i * width + c] -= factor * pivot[c];
     }
   }
   for (PetscInt j = n - 1; j >= 0; j--) {
@@ -179,8 +180,8 @@ static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal weak,
   Input: system - as for MlsEliminate(). Output: solved - the rows of the system with X in place of
   B. Returns: PETSC_FALSE if the points do not determine the fit.
 */
-static inline PetscBool MlsSolve(PetscInt n, PetscInt width, const PetscReal system[],
-                                 PetscReal solved[])
+static ISPH_INLINE PetscBool MlsSolve(PetscInt n, PetscInt width, const PetscReal system[],
+                                      PetscReal solved[])
 {
   PetscReal trace = 0.0;
 

@@ -8,8 +8,8 @@
   Computes the moments of the vector fit, blocks (c, e) of scalar moments with the weights W_k in
   the fluid if c = e, and W_k n_c n_e at walls.
 */
-static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
-                                 PetscReal M[])
+static ISPH_INLINE void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
+                                      PetscReal M[])
 {
   for (PetscInt c = 0; c < dim; c++) {
     for (PetscInt e = c; e < dim; e++) {
@@ -26,8 +26,8 @@ static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, Pets
 }
 
 /* Computes the divergence of the fit of a degree; returns PETSC_FALSE as Fit() in mls.c. */
-static inline PetscBool DivergenceFit(Stencil *st, PetscInt dim, PetscInt degree, PetscReal *d[],
-                                      PetscReal m[])
+static ISPH_INLINE PetscBool DivergenceFit(Stencil *st, PetscInt dim, PetscInt degree,
+                                           PetscReal *d[], PetscReal m[])
 {
   const PetscInt terms = MlsTerms(dim, degree), n = dim * terms, width = MlsWidth(n + 1);
   PetscReal      system[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH];
@@ -53,7 +53,8 @@ static inline PetscBool DivergenceFit(Stencil *st, PetscInt dim, PetscInt degree
   return PETSC_TRUE;
 }
 
-static PetscBool DivergenceFitOfDegree(Stencil *st, PetscInt degree, PetscReal *d[], PetscReal m[])
+static ISPH_WIDE PetscBool DivergenceFitOfDegree(Stencil *st, PetscInt degree, PetscReal *d[],
+                                                 PetscReal m[])
 {
   if (st->dim == 2 && degree == 2) return DivergenceFit(st, 2, 2, d, m);
   if (st->dim == 2) return DivergenceFit(st, 2, degree, d, m);

@@ -41,20 +41,6 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 
-/* Lists the neighbours of particle i in st->j, without wall particles behind a gap; returns their
-   number. */
-static PetscInt ListTouching(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             PetscInt i, Stencil *st)
-{
-  PetscInt n = 0;
-
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    st->j[n] = nb->col[q];
-    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(scene, p, nb, NULL, i, st->j[n])) n++;
-  }
-  return n;
-}
-
 /* Returns true if walls hold the fluid of particle i as a hinge: fewer wall particles within the
    support than dimensions are in contact, and others there are not. */
 static PetscBool IsHinged(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
@@ -146,7 +132,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);
   }
-  n         = free ? ListTouching(scene, p, nb, i, st) : last - first;
+  n         = free ? FreeSurfaceListTouched(scene, p, nb, i, st->X, st->j) : last - first;
   candidate = free ? st->j : nb->col + first;
   if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
   else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);

@@ -25,8 +25,8 @@
 
 /* Computes the derivatives of the basis along all axes at s = X/R, times R: those of a monomial s_a
    times a lower one follow from the lower one. */
-static inline void BasisGradient(PetscInt dim, PetscInt degree, const PetscReal s[],
-                                 PetscReal slope[][ISPH_MAX_DIM])
+static ISPH_INLINE void BasisGradient(PetscInt dim, PetscInt degree, const PetscReal s[],
+                                      PetscReal slope[][ISPH_MAX_DIM])
 {
   PetscReal value[FIT_TERMS];
   PetscInt  lower = 0, t = dim;
@@ -47,8 +47,9 @@ static inline void BasisGradient(PetscInt dim, PetscInt degree, const PetscReal 
 }
 
 /* Adds the conditions of a surface particle at s = X/R with normal n to the normal equations. */
-static inline void AddCondition(PetscInt dim, PetscInt degree, PetscInt width, PetscReal weight,
-                                const PetscReal s[], const PetscReal n[], PetscReal system[])
+static ISPH_INLINE void AddCondition(PetscInt dim, PetscInt degree, PetscInt width,
+                                     PetscReal weight, const PetscReal s[], const PetscReal n[],
+                                     PetscReal system[])
 {
   PetscReal      slope[FIT_TERMS][ISPH_MAX_DIM], tangent[2][ISPH_MAX_DIM];
   const PetscInt terms = MlsTerms(dim, degree), tangents = SurfaceTangents(dim, n, tangent);
@@ -67,15 +68,15 @@ static inline void AddCondition(PetscInt dim, PetscInt degree, PetscInt width, P
       for (PetscInt a = 0; a < dim; a++) row[a * terms + t] = tangent[m][a] * along + n[a] * across;
     }
     for (PetscInt p = 0; p < dim * terms; p++) {
-      for (PetscInt q = 0; q < dim * terms; q++) system[p * width + q] += weight * row[p] * row[q];
+      for (PetscInt q = p; q < dim * terms; q++) system[p * width + q] += weight * row[p] * row[q];
     }
   }
 }
 
 /* Sets the right-hand sides: for each component a that of lap u_a + bulk d(div u)/dx_a, then that
    of 2 n.E n at the particle, with its own normal. */
-static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
-                              PetscReal bulk, PetscReal system[])
+static ISPH_INLINE void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
+                                   PetscReal bulk, PetscReal system[])
 {
   const PetscReal over = 1.0 / PetscSqr(st->radius);
   const PetscInt  n    = dim * terms;
@@ -101,7 +102,7 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
 
 /* Sets the weights of wall neighbours with equations of derivatives to zero: a side along which the
    fluid slides has n.grad u_t = 0. */
-static inline void DropDerivatives(const Stencil *st, PetscReal w[])
+static ISPH_INLINE void DropDerivatives(const Stencil *st, PetscReal w[])
 {
   for (PetscInt k = 0; st->slips && k < st->n; k++)
     if (st->wall[k] && st->equation[k] == EQUATION_NORMAL_DERIVATIVE) w[k] = 0.0;
@@ -109,8 +110,8 @@ static inline void DropDerivatives(const Stencil *st, PetscReal w[])
 
 /* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
    do not determine it. */
-static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscInt degree, PetscReal bulk,
-                                   PetscReal w[])
+static ISPH_INLINE PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscInt degree, PetscReal bulk,
+                                        PetscReal w[])
 {
   const PetscInt terms = MlsTerms(dim, degree), n = dim * terms, width = MlsWidth(n + dim + 1);
   PetscReal      moments[FIT_TERMS * FIT_TERMS], s[ISPH_MAX_DIM] = {0.0};
@@ -181,7 +182,7 @@ static PetscBool HoldsSurface(const Stencil *st)
 /* Computes the row of a fit; returns PETSC_FALSE if the points do not determine it, or if the
    particle is not held by its surface. The fit of a particle on the surface is quadratic: along the
    normal there are three layers of particles within the support. */
-static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
+static ISPH_WIDE PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
 {
   const PetscBool cubic = st->surface_degree == 3 && st->kind == SURFACE_INSIDE;
 

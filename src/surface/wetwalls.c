@@ -53,6 +53,62 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
   return PETSC_FALSE;
 }
 
+/* Counts the places nearer to wall particle w than the root of most. Inlined for each dimension. */
+static ISPH_INLINE PetscInt64 CountNear(PetscInt dim, const Particles *p, PetscInt w,
+                                        PetscReal most, PetscInt n, PetscReal *const x[])
+{
+  const PetscReal *px[ISPH_MAX_DIM] = {x[0], x[1], x[dim - 1]};
+  PetscReal        at[ISPH_MAX_DIM] = {0.0};
+  PetscInt64       near             = 0;
+
+  for (PetscInt a = 0; a < dim; a++) at[a] = p->x[a][w];
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal r2 = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(px[a][k] - at[a]);
+    near += r2 < most;
+  }
+  return near;
+}
+
+/* Returns true if a place is nearer to wall particle w than the root of most. */
+static ISPH_WIDE PetscBool IsNear(const Particles *p, PetscInt w, PetscReal most, PetscInt n,
+                                  PetscReal *const x[])
+{
+  return (p->dim == 2 ? CountNear(2, p, w, most, n, x) : CountNear(3, p, w, most, n, x)) > 0
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+  FreeSurfaceListTouched - Lists the neighbours of own fluid particle i without wall particles that
+  no fluid touches, as FreeSurfaceTouches() finds it; returns their number
+
+  Not collective. Input: x - room for the places of the neighbours. Output: list - the neighbours.
+*/
+PetscInt FreeSurfaceListTouched(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                PetscInt i, PetscReal *const x[], PetscInt list[])
+{
+  const PetscReal most = PetscSqr(WET * p->dx[i]);
+  PetscInt        n = 0, listed = 0;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (ParticlesIsWall(p, j) || ParticlesSquareDistance(p, i, j) >= PetscSqr(nb->radius)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) x[a][n] = p->x[a][j];
+    n++;
+  }
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = list[listed] = nb->col[q];
+
+    if (!ParticlesIsWall(p, j) || ParticlesSquareDistance(p, i, j) < most ||
+        IsNear(p, j, most, n, x) || IsOpening(scene, p, j))
+      listed++;
+  }
+  return listed;
+}
+
 /* FreeSurfaceIsCoveredBy - Returns true if wall particle w covers own particle i: fluid enters
    there, or it faces the normal and fluid touches it; not collective */
 PetscBool FreeSurfaceIsCoveredBy(const Scene *scene, const Particles *p, const Neighbors *nb,
