@@ -330,8 +330,7 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
    divergence in each fluid has a penalty; not collective */
 static inline PetscBool OperatorsCutFluids(const Scene *scene, const Operators *ops)
 {
-  return SceneFluids(scene) > 1 && ops->forms.visc.row && ops->forms.visc.row->weak ? PETSC_TRUE
-                                                                                    : PETSC_FALSE;
+  return SceneFluids(scene) > 1 && ops->forms.visc.row && ops->forms.visc.row->weak;
 }
 
 PetscBool OperatorsStressSurface(const Operators *ops);

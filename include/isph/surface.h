@@ -54,7 +54,7 @@ static inline PetscReal FreeSurfacePressure(const FreeSurface *free, PetscInt i)
    of a fit, see JudgeBurst; not collective */
 static inline PetscBool FreeSurfaceIsPaired(const FreeSurface *free, PetscInt i)
 {
-  return free->has_pair_forces && free->has_pair_forces[i] != 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return free->has_pair_forces && free->has_pair_forces[i] != 0.0;
 }
 
 /* FreeSurfaceIsRough - Returns true if a fluid particle is where no smooth surface passes; not

@@ -159,7 +159,7 @@ PetscErrorCode GradientRow_MlsDegree(Stencil *st, PetscInt degree, PetscReal *g[
 {
   PetscFunctionBegin;
   MlsFitRows(st, degree);
-  *determined = st->fit.degree == degree ? PETSC_TRUE : PETSC_FALSE;
+  *determined = st->fit.degree == degree;
   for (PetscInt a = 0; a < st->dim; a++) PetscCall(PetscArraycpy(g[a], st->fit.gradient[a], st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

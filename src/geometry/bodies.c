@@ -17,7 +17,7 @@ PetscBool BodyReachesThrough(const Body *body, PetscInt axis)
 {
   const ShapeRow *shape = body->shape;
 
-  return axis == 2 && shape->outline && !shape->ends && !shape->revolves ? PETSC_TRUE : PETSC_FALSE;
+  return axis == 2 && shape->outline && !shape->ends && !shape->revolves;
 }
 
 /* BodyLines - Computes the coordinates of the faces of a body across an axis [m]; returns their

@@ -88,9 +88,7 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
       return PETSC_FALSE;
   }
   return CrossProduct(a, b, c) * CrossProduct(a, b, d) <= 0.0 &&
-                 CrossProduct(c, d, a) * CrossProduct(c, d, b) <= 0.0
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         CrossProduct(c, d, a) * CrossProduct(c, d, b) <= 0.0;
 }
 
 /* Checks the corners and orders them counter-clockwise; computes the centroid and the extent. */

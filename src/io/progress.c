@@ -57,7 +57,7 @@ PetscErrorCode ProgressCreate(Progress **progress)
   PetscCall(OptionGetRow(&options[0], NULL, &(*progress)->row));
   PetscCall(PetscTime(&now));
   (*progress)->start    = (PetscReal)now;
-  (*progress)->terminal = isatty(STDOUT_FILENO) && !HasLauncher() ? PETSC_TRUE : PETSC_FALSE;
+  (*progress)->terminal = isatty(STDOUT_FILENO) && !HasLauncher();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

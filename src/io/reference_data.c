@@ -62,7 +62,7 @@ static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, Pet
     PetscReal       x, y;
 
     PetscCall(PetscStrlen(piece, &length));
-    starts = length && piece[length - 1] == '\n' ? PETSC_TRUE : PETSC_FALSE;
+    starts = length && piece[length - 1] == '\n';
     if (first) line++;
     if (!first || piece[0] == '#' || piece[0] == '\n' || piece[0] == '\r') continue;
     if (header) {

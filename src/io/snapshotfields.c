@@ -71,7 +71,7 @@ static PetscErrorCode Gather_Viscosity(const Flow *flow, void *rows)
 
 static PetscBool Has_Density(const Flow *flow)
 {
-  return flow->scheme->density || flow->ops->needs & NEED_CONCENTRATION ? PETSC_TRUE : PETSC_FALSE;
+  return flow->scheme->density || flow->ops->needs & NEED_CONCENTRATION;
 }
 
 /* Copies the density of the scheme, or computes it from the masses of particles, rho sum_j V_j W_ij
@@ -258,7 +258,7 @@ const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
 /* SnapshotHas - Returns true if the run has a field; not collective */
 PetscBool SnapshotHas(const Flow *flow, const SnapshotField *field)
 {
-  return !field->Has || field->Has(flow) ? PETSC_TRUE : PETSC_FALSE;
+  return !field->Has || field->Has(flow);
 }
 
 /* SnapshotColumns - Returns the number of columns of a field, 0 for a one-dimensional data set; not

@@ -84,7 +84,7 @@ PetscErrorCode FittedReserve(const Particles *p, PetscInt longest, FittedRows *f
 void FittedPlace(const FittedRows *f, Stencil *st)
 {
   st->fit.coefficient = f->coefficient + (size_t)f->stride * (size_t)st->i;
-  st->fit.with_filter = f->stride > f->dim * f->terms ? PETSC_TRUE : PETSC_FALSE;
+  st->fit.with_filter = f->stride > f->dim * f->terms;
 }
 
 /* Lists the neighbours of particle i over fluid, itself included, and over walls; returns their

@@ -47,7 +47,7 @@ static PetscInt PlaceOf(const RepeatTable *t, PetscInt i)
 
 static inline PetscBool AreEqual(PetscReal a, PetscReal b)
 {
-  return PetscAbsReal(a - b) <= SAME * PetscAbsReal(a) ? PETSC_TRUE : PETSC_FALSE;
+  return PetscAbsReal(a - b) <= SAME * PetscAbsReal(a);
 }
 
 /* Returns true if wall particles j and e belong to the same boundary and have equal depths and
@@ -89,8 +89,7 @@ static PetscBool AreAlike(const RepeatTable *t, PetscInt i, PetscInt c)
   if (!AreEqual(p->dx[i], p->dx[c])) return PETSC_FALSE;
   for (PetscInt a = 0; a < p->dim; a++)
     if (!AreEqual(ParticlesStretch(p, a, i), ParticlesStretch(p, a, c))) return PETSC_FALSE;
-  return HaveSame(t, &t->rows->fluid, i, c) && HaveSame(t, &t->rows->walls, i, c) ? PETSC_TRUE
-                                                                                  : PETSC_FALSE;
+  return HaveSame(t, &t->rows->fluid, i, c) && HaveSame(t, &t->rows->walls, i, c);
 }
 
 /*

@@ -76,7 +76,7 @@ PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, Pe
   PetscCall(ParticlesLargestMove(p, p->x_epoch, &move));
   PetscCheck(move < PETSC_MAX_REAL, p->comm, PETSC_ERR_FP,
              "The flow diverged: the position of a particle is not a finite number");
-  due = force || (move > 0.0 && move >= 0.5 * p->skin) ? PETSC_TRUE : PETSC_FALSE;
+  due = force || (move > 0.0 && move >= 0.5 * p->skin);
   if (started) *started = due;
   if (!due) PetscFunctionReturn(PETSC_SUCCESS);
 

@@ -94,7 +94,7 @@ static PetscErrorCode SortItems(const Scene *scene, const Particles *p, const It
 {
   const PetscInt  last   = (1 << CELL_BITS) - 1;
   const PetscReal offset = 1024.0; /* cells below the box, for walls */
-  const PetscBool lines  = !SceneMoves(scene) && !scene->grading.on ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool lines  = !SceneMoves(scene) && !scene->grading.on;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(items->n, keys));

@@ -173,8 +173,7 @@ static void FieldBounds(const Scene *scene, const Particles *p, const Field *fie
 /* Returns true if a number is whole and at least 0, and smaller than a bound. */
 static PetscBool IsWhole(PetscReal number, PetscReal bound)
 {
-  return number >= 0.0 && number < bound && number == PetscFloorReal(number) ? PETSC_TRUE
-                                                                             : PETSC_FALSE;
+  return number >= 0.0 && number < bound && number == PetscFloorReal(number);
 }
 
 /*
@@ -187,17 +186,15 @@ PetscBool ParticlesValidRecord(const Scene *scene, const Particles *p, const Pet
 {
   const PetscReal *number = &record[RECORD_FIELDS];
   PetscBool        valid  = p->next_id <= PARTICLES_MAX_ID &&
-                            IsWhole(record[RECORD_ID], (PetscReal)p->next_id) &&
-                            IsWhole(record[RECORD_KIND], PARTICLE_KINDS)
-                                ? PETSC_TRUE
-                                : PETSC_FALSE;
+                    IsWhole(record[RECORD_ID], (PetscReal)p->next_id) &&
+                    IsWhole(record[RECORD_KIND], PARTICLE_KINDS);
 
   for (PetscInt f = 0; f < p->n_fields; f++) {
     PetscReal low, high;
 
     FieldBounds(scene, p, &p->field[f], &low, &high);
     for (PetscInt c = 0; c < p->field[f].components; c++, number++)
-      valid = valid && *number >= low && *number <= high ? PETSC_TRUE : PETSC_FALSE;
+      valid = valid && *number >= low && *number <= high;
   }
   return valid;
 }

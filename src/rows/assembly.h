@@ -26,7 +26,7 @@ struct Assembly {
 /* Returns true if an operator stores only rows apart. */
 static inline PetscBool AffineShares(const AffineOperator *op)
 {
-  return op->twin || op->fitted ? PETSC_TRUE : PETSC_FALSE;
+  return op->twin || op->fitted;
 }
 
 /* Returns true if an operator stores the present row itself. */

@@ -110,7 +110,7 @@ static ISPH_INLINE void SumAll(PetscInt d, const Stencil *st, PetscBool mirrored
 static ISPH_WIDE void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
                                    PetscReal gradient[])
 {
-  mirrored = mirrored && st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  mirrored = mirrored && st->n_wall;
   if (st->dim == 2) SumAll(2, st, mirrored, concentration, gradient);
   else SumAll(3, st, mirrored, concentration, gradient);
 }

@@ -148,9 +148,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
   GatherSurface(free, st);
-  st->has_pair_forces = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st))
-                            ? PETSC_TRUE
-                            : PETSC_FALSE;
+  st->has_pair_forces = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st));
   KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -162,9 +162,7 @@ PetscBool LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction)
   const unsigned own = form->correction ? form->correction->bit : 0;
 
   return form->row && form->row->Row == LaplacianRow_Morris && form->scale == 0.0 &&
-                 own == correction
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         own == correction;
 }
 
 #define PAIRWISE  (FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT)

@@ -176,7 +176,7 @@ static PetscBool HoldsSurface(const Stencil *st)
       sum += PetscAbsReal(st->normal_strain[c][k]);
     }
   }
-  return share * st->radius >= OUTERMOST && sum * st->radius <= STEEP ? PETSC_TRUE : PETSC_FALSE;
+  return share * st->radius >= OUTERMOST && sum * st->radius <= STEEP;
 }
 
 /* Computes the row of a fit; returns PETSC_FALSE if the points do not determine it, or if the
@@ -189,9 +189,7 @@ static ISPH_WIDE PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
   st->fit.wanted = 0; /* overwrites the basis of the fit */
   if (cubic && SurfaceFit(st, 2, 3, bulk, w)) return PETSC_TRUE;
   return (st->dim == 2 ? SurfaceFit(st, 2, 2, bulk, w) : SurfaceFit(st, 3, 2, bulk, w)) &&
-                 HoldsSurface(st)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         HoldsSurface(st);
 }
 
 /* Computes the row by pair forces with the factor of the particle alone, and without pressure on
@@ -299,13 +297,12 @@ const LaplacianRow LaplacianSurfaceStress = {
    not collective */
 PetscBool LaplacianFitsSurface(const LaplacianForm *form)
 {
-  return form->row == &LaplacianSurface || form->row == &LaplacianSurfaceStress ? PETSC_TRUE
-                                                                                : PETSC_FALSE;
+  return form->row == &LaplacianSurface || form->row == &LaplacianSurfaceStress;
 }
 
 /* OperatorsStressSurface - Returns true if the rows of div on free surfaces give the pressure
    2 mu n.E n of the velocity; not collective */
 PetscBool OperatorsStressSurface(const Operators *ops)
 {
-  return ops->free && ops->forms.visc.row == &LaplacianSurface ? PETSC_TRUE : PETSC_FALSE;
+  return ops->free && ops->forms.visc.row == &LaplacianSurface;
 }

@@ -32,9 +32,7 @@ PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBo
   PetscCall(VecNorm(b, NORM_2, &norm_b));
   PetscCall(VecDestroy(&r));
   *residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
-  *good     = reason >= 0 && norm_r <= PetscMin(RESIDUAL_SLACK * rtol, RESIDUAL_WORST) * norm_b
-                  ? PETSC_TRUE
-                  : PETSC_FALSE;
+  *good     = reason >= 0 && norm_r <= PetscMin(RESIDUAL_SLACK * rtol, RESIDUAL_WORST) * norm_b;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,10 +109,8 @@ static PetscErrorCode FallbackSkips(const Guard *guard, PetscInt k, PetscInt row
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, levels[k].ksp, &same_ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, levels[k].pc, &same_pc));
   *skips = (same_ksp && same_pc) || (levels[k].most && rows > MostRows(k, guard)) ||
-                   (nested && !levels[k].nested) ||
-                   (levels[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
-               ? PETSC_TRUE
-               : PETSC_FALSE;
+           (nested && !levels[k].nested) ||
+           (levels[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -92,7 +92,7 @@ PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
 /* KspViewsHaveMatrix - Returns true if the entries of a matrix are to be viewed; not collective */
 PetscBool KspViewsHaveMatrix(const KspViews *views)
 {
-  return views->of[VIEW_MAT].viewer || views->of[VIEW_PMAT].viewer ? PETSC_TRUE : PETSC_FALSE;
+  return views->of[VIEW_MAT].viewer || views->of[VIEW_PMAT].viewer;
 }
 
 /*

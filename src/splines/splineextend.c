@@ -280,8 +280,7 @@ static PetscErrorCode AddBodies(const SplineLattice *l, const SplineBodies *s, S
   for (PetscInt q = 0; q < l->N; q++) {
     if (w.fluid[q] < 1e-12 * w.box[q]) w.fluid[q] = 0.0;
     for (PetscInt a = 0; a < l->dim; a++) w.offset[a][q] /= w.fluid[q] > 0.0 ? w.fluid[q] : 1.0;
-    w.enough[q] =
-        w.fluid[q] >= ENOUGH * w.box[q] && e->slave[q] == SPLINE_FREE ? PETSC_TRUE : PETSC_FALSE;
+    w.enough[q] = w.fluid[q] >= ENOUGH * w.box[q] && e->slave[q] == SPLINE_FREE;
   }
   PetscCall(SetSlaves(l, &w, e));
   PetscCall(PetscFree6(w.fluid, w.box, w.offset[0], w.offset[1], w.offset[2], w.enough));

@@ -175,7 +175,7 @@ static PetscErrorCode FitCell(Flow *flow, PetscInt sets, SplineAround *around, C
         if (f->shared[b][i] == b && SplineFitIsShared(p, i, b, c, f->component[b].R[i], around))
           f->shared[c][i] = b;
       }
-      todo[i] = !f->oblique[i] && f->shared[c][i] == c ? PETSC_TRUE : PETSC_FALSE;
+      todo[i] = !f->oblique[i] && f->shared[c][i] == c;
     }
     PetscCall(FitComponent(flow, c, todo, around, &f->component[c]));
   }

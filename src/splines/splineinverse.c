@@ -124,7 +124,7 @@ PetscErrorCode SplineInverseNumber(const Splines *s, const Particles *p, SplineI
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(FreeSlabs(v));
-  v->spread = ranks > 1 ? PETSC_TRUE : PETSC_FALSE;
+  v->spread = ranks > 1;
   if (v->spread) {
     const PetscInt axis = SplitAxis(s, ranks);
 

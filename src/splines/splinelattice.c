@@ -29,8 +29,7 @@ PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLatti
     lattice->side[a]     = length / lattice->cells[a];
     lattice->N *= lattice->count[a];
     for (PetscInt side = 2 * a; side < 2 * a + 2; side++)
-      lattice->given[side] =
-          BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE ? PETSC_TRUE : PETSC_FALSE;
+      lattice->given[side] = BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -64,7 +64,7 @@ static PetscBool HasFace(const Splines *s, const PetscReal x[])
 
   if (!s->bodies) return PETSC_TRUE;
   if (s->lattice.dim == 3 && s->bodies->cut[cell] >= 0) return PETSC_FALSE;
-  return s->bodies->fraction[cell] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return s->bodies->fraction[cell] > 0.0;
 }
 
 /* Adds the points of this rank on a part of the surface of a body, three along it. Polynomials of
@@ -118,7 +118,7 @@ static PetscBool IsOpen(const SplineLattice *l, PetscInt side, PetscReal y)
 
   x[side / 2] = side % 2 ? l->scene->hi[side / 2] : l->scene->lo[side / 2];
   x[along]    = SceneFromUniform(l->scene, along, y, &slope);
-  return SceneDistance(l->scene, x, &nearest, normal) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return SceneDistance(l->scene, x, &nearest, normal) > 0.0;
 }
 
 /* Cuts a face of a side in 2D to the part that no body covers: without a flux through the rest, or

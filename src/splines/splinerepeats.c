@@ -181,7 +181,7 @@ static PetscErrorCode ComputeFits(Product *t, PetscBool *complete)
     if (r->stored > r->most) break;
   }
   SplineEntriesClear(&t->row);
-  *complete = r->stored <= r->most ? PETSC_TRUE : PETSC_FALSE;
+  *complete = r->stored <= r->most;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

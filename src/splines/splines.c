@@ -51,9 +51,7 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
 PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
 {
   SplineIndex(s->lattice.dim, s->own.first, s->own.n, k, index);
-  return !s->extension || s->extension->slave[SplineNatural(&s->lattice, index)] == SPLINE_FREE
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return !s->extension || s->extension->slave[SplineNatural(&s->lattice, index)] == SPLINE_FREE;
 }
 
 /* SplineMat - Creates a matrix with space for width[r] entries in row r; collective. A row with
@@ -93,7 +91,7 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
   PetscInt             row, *width;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a];
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(s->boundary.n, &width));
   for (PetscInt g = 0; g < s->boundary.n; g++) {

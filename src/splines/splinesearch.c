@@ -18,17 +18,13 @@
 */
 static inline PetscBool TakesPart(const Particles *p, PetscInt j, PetscInt c)
 {
-  return c == SPLINE_ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return c == SPLINE_ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5;
 }
 
 /* Returns true if the boundary of a wall particle gives the normal velocity. */
 static PetscBool GivesVelocity(const Scene *scene, const Particles *p, PetscInt j)
 {
-  return BoundaryEquation(scene, (PetscInt)p->side[j], FIT_VELOCITY_NORMAL) == EQUATION_VALUE
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return BoundaryEquation(scene, (PetscInt)p->side[j], FIT_VELOCITY_NORMAL) == EQUATION_VALUE;
 }
 
 /* Returns true if the normal of a wall particle is along no axis. */
@@ -37,7 +33,7 @@ static PetscBool IsOblique(const Particles *p, PetscInt j)
   PetscReal most = 0.0;
 
   for (PetscInt a = 0; a < p->dim; a++) most = PetscMax(most, PetscAbsReal(p->normal[a][j]));
-  return most < 1.0 - 1e-12 ? PETSC_TRUE : PETSC_FALSE;
+  return most < 1.0 - 1e-12;
 }
 
 /* SplineLeast - Returns the number of particles with which a fit begins: for 6, 10, 15 coefficients

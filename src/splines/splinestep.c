@@ -46,7 +46,7 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
 */
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
 {
-  const PetscBool mean = flow->state->average.T > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool mean = flow->state->average.T > 0.0;
   PetscInt        degree;
   Splines        *s;
 
@@ -178,7 +178,7 @@ static PetscReal GivenPressure(const SplineLattice *l, PetscInt side, const Pets
   for (PetscInt a = 0; a < l->dim; a++) {
     on[a]       = PetscMin(PetscMax(x[a], scene->lo[a]), scene->hi[a]);
     mirrored[a] = 2.0 * on[a] - x[a];
-    beyond      = beyond || on[a] != x[a] ? PETSC_TRUE : PETSC_FALSE;
+    beyond      = beyond || on[a] != x[a];
   }
   at_end = SceneWallPressure(scene, side, t, on, normal);
   return beyond ? 2.0 * at_end - SceneWallPressure(scene, side, t, mirrored, normal) : at_end;
@@ -190,8 +190,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
 {
   const Scene    *scene = flow->scene;
   const PetscBool exact =
-      scene->problem->Exact && !scene->velocity.n && !flow->particles->velocity_given ? PETSC_TRUE
-                                                                                      : PETSC_FALSE;
+      scene->problem->Exact && !scene->velocity.n && !flow->particles->velocity_given;
   PetscScalar *p;
   PetscInt     first, last;
 

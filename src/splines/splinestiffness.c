@@ -68,10 +68,9 @@ static PetscBool ListParts(const Splines *s, const Particles *p, const SplineVal
       while (f < e->n && e->number[f] != number) f++;
       if (f == e->n) {
         e->number[f] = number;
-        e->own[f]    = place >= 0 && place < s->own.size && SplineOwn(s, place, own) ? PETSC_TRUE
-                                                                                     : PETSC_FALSE;
+        e->own[f]    = place >= 0 && place < s->own.size && SplineOwn(s, place, own);
         for (PetscInt i = 0; i < n; i++) e->part[i][f] = 0.0;
-        mine = mine || e->own[f] ? PETSC_TRUE : PETSC_FALSE;
+        mine = mine || e->own[f];
         e->n++;
       }
       e->part[k][f] += slave ? slave->weight[m] : 1.0;
@@ -91,7 +90,7 @@ static PetscReal PointOf(const Splines *s, PetscInt c, PetscInt corner, PetscInt
 
   SplineIndex(s->lattice.dim, NULL, s->lattice.cells, c, cell);
   weight = SplinePoint(s, cell, corner, x, &node);
-  inside = node < 0 || SplineCellAt(&s->lattice, x) == c ? PETSC_TRUE : PETSC_FALSE;
+  inside = node < 0 || SplineCellAt(&s->lattice, x) == c;
   return (only < 0 ? inside : corner == only && !inside) ? weight : 0.0;
 }
 

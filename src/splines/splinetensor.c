@@ -177,10 +177,8 @@ static PetscErrorCode CopyAxis(const SplineAxis *from, SplineAxis *axis)
 static PetscBool AxesAgree(const SplineLattice *l, PetscInt a, PetscInt b)
 {
   return l->count[a] == l->count[b] && l->side[a] == l->side[b] &&
-                 l->given[2 * a] == l->given[2 * b] && l->given[2 * a + 1] == l->given[2 * b + 1] &&
-                 l->periodic[a] == l->periodic[b] && !SceneIsMapped(l->scene)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         l->given[2 * a] == l->given[2 * b] && l->given[2 * a + 1] == l->given[2 * b + 1] &&
+         l->periodic[a] == l->periodic[b] && !SceneIsMapped(l->scene);
 }
 
 /* SplineTensorSet - Computes the basis for a lattice, redundantly on every rank; not collective.

@@ -108,8 +108,7 @@ static PetscBool IsFree(const Scene *scene, PetscInt k, const PetscReal point[])
 /* Returns true if the normals of two samples differ as on both sides of a corner. */
 static PetscBool TurnsAt(const BorderSample *a, const BorderSample *b)
 {
-  return a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1] < CORNER ? PETSC_TRUE
-                                                                            : PETSC_FALSE;
+  return a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1] < CORNER;
 }
 
 /* Adds the samples of the outline of region k, in order, beginning at the end of a piece if there
@@ -180,7 +179,7 @@ static PetscBool InBox(const Scene *scene, const PetscReal x[])
 static PetscBool CutsAlike(const Body *region, const Body *other)
 {
   if (region->shape->revolves) return other->shape->revolves;
-  return BodyReachesThrough(region, 2) && BodyReachesThrough(other, 2) ? PETSC_TRUE : PETSC_FALSE;
+  return BodyReachesThrough(region, 2) && BodyReachesThrough(other, 2);
 }
 
 /* Refuses region k if the gap between its border and another shape vanishes at x. Input: option,

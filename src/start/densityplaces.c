@@ -107,7 +107,7 @@ static PetscBool MayHold(const Pools *pools, const Region *region, const PetscRe
     half += 0.25 * PetscSqr(hi[m] - lo[m]);
   }
   (void)PoolAt(pools, x, &depth);
-  return depth > -PetscSqrtReal(half) ? PETSC_TRUE : PETSC_FALSE;
+  return depth > -PetscSqrtReal(half);
 }
 
 /* Computes the points of a cell, none if it is empty, and the sums of their shares of M and of

@@ -388,7 +388,7 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
   p->N_start[0]     = p->N_fluid;
   p->N_start[1]     = p->N_wall;
   p->next_id        = (PetscInt64)p->N_fluid + p->N_wall;
-  p->velocity_given = start && start->u ? PETSC_TRUE : PETSC_FALSE;
+  p->velocity_given = start && start->u;
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   wall = p->n_fluid;
   for (PetscInt k = slab[0]; k < slab[1]; k++) WallParticle(scene, walls, &slabs, k, p, wall++);

@@ -129,7 +129,7 @@ static unsigned FixedAxes(const Pools *pools, const PoolAxis axis[], const Petsc
                       end   = axis[a].end[cell[a] + (corner >> a & 1)];
 
       x[a] = 0.5 * (place + end);
-      flat = flat || PetscAbsReal(place - end) < NEAR * pools->scene->dx ? PETSC_TRUE : PETSC_FALSE;
+      flat = flat || PetscAbsReal(place - end) < NEAR * pools->scene->dx;
     }
     (void)PoolAt(pools, x, &depth);
     if (flat || depth < 0.0) {
@@ -177,8 +177,7 @@ static PetscBool CellHolds(const Pools *pools, PetscInt pool, const PoolAxis axi
     index /= axis[a].n;
   }
   if (PoolAt(pools, x, &depth) != pool || depth < -NEAR * scene->dx) return PETSC_FALSE;
-  return SceneDistance(scene, x, &body, normal) >= BODY_CLEAR * scene->dx ? PETSC_TRUE
-                                                                          : PETSC_FALSE;
+  return SceneDistance(scene, x, &body, normal) >= BODY_CLEAR * scene->dx;
 }
 
 /*

@@ -188,7 +188,7 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
     PetscBool   alone = PETSC_TRUE;
 
     for (PetscInt m = 0; m < scene->n_filled; m++)
-      alone = alone && (m == k || pools->of[m] != pools->of[k]) ? PETSC_TRUE : PETSC_FALSE;
+      alone = alone && (m == k || pools->of[m] != pools->of[k]);
     UserCheck(!body->shape->ends || pools->lattice[pools->of[k]],
               "-scene_filled_%" PetscInt_FMT
               ": it has no lattice, as it touches a region that is no box, or its edges and -n do "

@@ -107,7 +107,7 @@ static PetscBool TakesPart(const Particles *p, const FreeSurface *free, const Mi
     *r2 += PetscSqr(X[a]);
     aligned += turned[a] * normal[a];
   }
-  return *r2 < 1.0 && aligned > ALIGNED ? PETSC_TRUE : PETSC_FALSE;
+  return *r2 < 1.0 && aligned > ALIGNED;
 }
 
 /* Adds a particle at X [R], r2 = |X|^2, to the sums of a fit. */

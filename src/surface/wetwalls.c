@@ -23,9 +23,7 @@ static PetscBool IsInflow(const Scene *scene, const Particles *p, PetscInt w)
    left. */
 static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
 {
-  return BoundaryIs(scene, (PetscInt)p->side[w], BOUNDARY_OUTFLOW) || IsInflow(scene, p, w)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return BoundaryIs(scene, (PetscInt)p->side[w], BOUNDARY_OUTFLOW) || IsInflow(scene, p, w);
 }
 
 /*
@@ -118,7 +116,7 @@ PetscBool FreeSurfaceIsCoveredBy(const Scene *scene, const Particles *p, const N
 
   if (IsInflow(scene, p, w)) return PETSC_TRUE;
   for (PetscInt a = 0; a < p->dim; a++) faces += p->normal[a][w] * normal[a];
-  return faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, w) ? PETSC_TRUE : PETSC_FALSE;
+  return faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, w);
 }
 
 /* Returns true if neighbour j of own particle i is a wall particle of an opening close to it. */
@@ -126,11 +124,8 @@ static PetscBool IsOpeningClose(const Scene *scene, const Particles *p, const Ne
                                 PetscInt i, PetscInt j)
 {
   return ParticlesIsWall(p, j) &&
-                 ParticlesSquareDistance(p, i, j) <
-                     PetscSqr(SurfaceReach(p, nb, i, SURFACE_CLOSE)) &&
-                 IsOpening(scene, p, j)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, SURFACE_CLOSE)) &&
+         IsOpening(scene, p, j);
 }
 
 /* FreeSurfaceOpenings - Returns the number of wall particles of openings close to own particle i: a

@@ -235,8 +235,7 @@ PetscInt ClockOrder(const Clock *clock)
 PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
 {
   /* compares the numbers of multiples up to now and up to last; 1e-9 for rounding */
-  return PetscFloorReal(now / every + 1e-9) > PetscFloorReal(last / every + 1e-9) ? PETSC_TRUE
-                                                                                  : PETSC_FALSE;
+  return PetscFloorReal(now / every + 1e-9) > PetscFloorReal(last / every + 1e-9);
 }
 
 /* ClockNext - Returns the multiple of `every` [s] that follows the time t [s]; not collective */

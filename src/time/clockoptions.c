@@ -218,7 +218,7 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
 static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
 {
   PetscFunctionBegin;
-  RegimeSetFact(scene->regime, FACT_STEP_GIVEN, c->dt_given > 0.0 ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(scene->regime, FACT_STEP_GIVEN, c->dt_given > 0.0);
   PetscCall(
       OptionGetRow(&options[DT_ADAPT], RegimeWord(scene->regime, REGIME_DT_ADAPT), &c->adapt));
   UserCheck(c->dt_given == 0.0 || !c->adapt->follows || (c->adapt->retries && !c->adapt->estimates),

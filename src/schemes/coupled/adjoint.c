@@ -135,7 +135,7 @@ static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
    corners of walls and inflows a reaction would have an error as large as the pressure. */
 static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
 {
-  return IsBesideSlip(flow, i) || !OperatorsBesideSurface(flow->ops, i) ? PETSC_TRUE : PETSC_FALSE;
+  return IsBesideSlip(flow, i) || !OperatorsBesideSurface(flow->ops, i);
 }
 
 /* Scales the columns of the transposed G and of the reactions by factors of momentum rows. */
@@ -219,7 +219,7 @@ static PetscBool HasReactions(const Flow *flow, const Saddle *s, PetscInt i)
   const FreeSurface *free = flow->ops->free;
 
   if (s->natural) return IsBesideWall(flow, i) ? PETSC_FALSE : PETSC_TRUE;
-  return FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i) ? PETSC_TRUE : PETSC_FALSE;
+  return FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i);
 }
 
 /* Replaces rows of G by those of the reactions. */

@@ -38,9 +38,7 @@ static PetscErrorCode MakeAbsolute(Mat A)
 /* Returns true if all particles have the same size and viscosity. */
 static PetscBool IsUniform(const Flow *flow)
 {
-  return !flow->particles->nu && SceneFinest(flow->scene) == SceneCoarsest(flow->scene)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return !flow->particles->nu && SceneFinest(flow->scene) == SceneCoarsest(flow->scene);
 }
 
 /* Computes for each spline the means of numbers of particles, with the magnitudes of D as weights;

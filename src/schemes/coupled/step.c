@@ -65,7 +65,7 @@ static PetscErrorCode SolvePicard(Vec b, Coupled *c, StepFailure *failure, Petsc
   PetscCall(VecDestroy(&r));
   share  = norm_b > 0.0 ? PetscMin(PICARD_SHARE * norm_r / norm_b, PICARD_SHARE) : rtol;
   share  = PetscMax(share, PetscMin(rtol, PICARD_RTOL));
-  *tight = share <= rtol ? PETSC_TRUE : PETSC_FALSE;
+  *tight = share <= rtol;
   PetscCall(KSPSetTolerances(ksp, share, PETSC_CURRENT, PETSC_CURRENT, most));
   PetscCall(SolveLinear(b, c, failure));
   PetscCall(KSPSetTolerances(ksp, rtol, PETSC_CURRENT, PETSC_CURRENT, most));
@@ -227,9 +227,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
     PetscCall(RelativeChange(c->saddle.dim, start ? scene->speed : 0.0, u, v, c->part, &change));
     PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
     PetscCall(Linearise(flow, v, c));
-    done = change <= PICARD_CHANGE && tight && (!c->tangent || c->tangent->error <= STRESS_ERROR)
-               ? PETSC_TRUE
-               : PETSC_FALSE;
+    done = change <= PICARD_CHANGE && tight && (!c->tangent || c->tangent->error <= STRESS_ERROR);
   }
   if (!done && !failure->code) FailIteration(flow, change, c, failure);
   PetscCall(TangentDestroy(&c->tangent));

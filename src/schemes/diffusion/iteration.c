@@ -50,7 +50,7 @@ static PetscErrorCode Shorten(SNESLineSearch search, Vec u, Vec du, Vec next, Pe
     PetscCall(VecStrideGather(next, c, v->part[c], INSERT_VALUES));
   PetscCall(TangentShare(v->tangent, v->part, &v->flow->walls, &share));
   *du_is_new   = PETSC_FALSE;
-  *next_is_new = share < 1.0 ? PETSC_TRUE : PETSC_FALSE;
+  *next_is_new = share < 1.0;
   if (*next_is_new) PetscCall(VecAXPBY(next, 1.0 - share, share, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,7 +48,7 @@ static PetscErrorCode IsDriven(const Flow *flow, PetscBool *driven)
     PetscCall(VecRestoreArrayRead(flow->walls.p_step, &step));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  *driven = most > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  *driven = most > 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,7 +36,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
-  PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
+  PetscCall(HistoryStart(flow, !row || row->history, &dt));
   PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && pr->space->StartStep) PetscCall(pr->space->StartStep(flow));
   PetscCall(ProjectionForce(flow, flow->clock->t + at * flow->clock->dt, force));

@@ -82,8 +82,7 @@ static PetscErrorCode ChooseGuess(const Flow *flow, Pressure *s)
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, prefix, "-ksp_guess_type", &given));
   PetscCall(PetscOptionsHasName(NULL, prefix, "-ksp_initial_guess_nonzero", &zero));
-  s->guesses =
-      given || (!zero && !s->direct && !SceneMoves(flow->scene)) ? PETSC_TRUE : PETSC_FALSE;
+  s->guesses = given || (!zero && !s->direct && !SceneMoves(flow->scene));
   if (s->guesses && !given)
     PetscCall(KSPSetUseFischerGuess(s->guard.solve.ksp, FISCHER_MODEL, FISCHER_SIZE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -101,9 +100,7 @@ static PetscErrorCode ChoosePassing(Pressure *s)
                                       KSPGMRES, KSPCG, KSPBCGS, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &sets_up, PCLU, PCHYPRE, PCSHELL, ""));
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
-  s->passing = multiplies && sets_up && same && !KspViewsHaveMatrix(&s->guard.ksp_views)
-                   ? PETSC_TRUE
-                   : PETSC_FALSE;
+  s->passing = multiplies && sets_up && same && !KspViewsHaveMatrix(&s->guard.ksp_views);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,7 +129,7 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
   PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(PressureChoose(flow, s->guard.mat_type, &solver));
-  s->direct            = solver == PRESSURE_LU ? PETSC_TRUE : PETSC_FALSE;
+  s->direct            = solver == PRESSURE_LU;
   s->guard.approximate = PETSC_TRUE;
   PetscCall(PoissonSolver(sp ? NULL : &flow->ops->forms.ppe, 1e-5, types[solver], &s->guard));
   if (solver == PRESSURE_TENSOR) {
@@ -408,7 +405,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 {
   const KSP        ksp     = s->guard.solve.ksp;
   const PetscInt   its     = s->guard.solve.iterations;
-  PetscBool        rebuild = its > s->its_new + s->its_new / 2 + 2 ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool        rebuild = its > s->its_new + s->its_new / 2 + 2;
   PressureMatrices m       = {0};
   Mat              A;
 

@@ -13,7 +13,7 @@
 /* Returns true if the matrix of a flow in 2D stays the same for the whole run. */
 static PetscBool IsFlatAndFixed(const Scene *scene)
 {
-  return !SceneMoves(scene) && scene->dim == 2 ? PETSC_TRUE : PETSC_FALSE;
+  return !SceneMoves(scene) && scene->dim == 2;
 }
 
 /*
@@ -35,12 +35,9 @@ static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 {
   const Scene    *scene = flow->scene;
   const PetscBool brief = SceneHas(scene, PHYSICS_CONVECTION) &&
-                                  !flow->state->implicit_convection && flow->ops->forms.degree < 4
-                              ? PETSC_TRUE
-                              : PETSC_FALSE;
+                          !flow->state->implicit_convection && flow->ops->forms.degree < 4;
 
-  return IsFlatAndFixed(scene) && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST) ? PETSC_TRUE
-                                                                                  : PETSC_FALSE;
+  return IsFlatAndFixed(scene) && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST);
 }
 
 /*
@@ -51,9 +48,7 @@ static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 */
 static PetscBool TakesGAMG(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 {
-  return IsFlatAndFixed(flow->scene) && ranks > 1 && n <= (PetscReal)ranks * GAMG_MOST
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return IsFlatAndFixed(flow->scene) && ranks > 1 && n <= (PetscReal)ranks * GAMG_MOST;
 }
 
 /*
@@ -78,7 +73,7 @@ static PetscBool TakesTensor(const Splines *sp)
     if (sp->lattice.cells[a] < 2) return PETSC_FALSE;
     sum += sp->lattice.count[a];
   }
-  return sum <= TENSOR_MOST ? PETSC_TRUE : PETSC_FALSE;
+  return sum <= TENSOR_MOST;
 }
 
 /* PressureChoose - Chooses the default solver; collective. Input: mat_type - MATSAME, or a type

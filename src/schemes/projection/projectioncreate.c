@@ -86,13 +86,12 @@ const OptionTable ProjectionOptions = OPTIONS("Projection", options);
 /* Checks if particles are fixed and evenly spread: on a lattice, or relaxed. */
 static PetscErrorCode AreOrdered(const Scene *scene, PetscBool *ordered)
 {
-  const PetscBool lattice = scene->jitter == 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool lattice = scene->jitter == 0.0;
   PetscBool       given;
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-particles", &given));
-  *ordered =
-      !SceneMoves(scene) && !given && (lattice || scene->grading.on) ? PETSC_TRUE : PETSC_FALSE;
+  *ordered = !SceneMoves(scene) && !given && (lattice || scene->grading.on);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,9 +127,7 @@ static PetscErrorCode DefaultFilter(const Flow *flow, PetscReal *strength)
 static PetscBool SurfaceNeedsFilter(const Scene *scene)
 {
   return SceneHasFreeSurface(scene) && SceneMoves(scene) && SceneHas(scene, PHYSICS_VISCOSITY) &&
-                 !SceneViscosityVaries(scene)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+         !SceneViscosityVaries(scene);
 }
 
 /* Reads the options of a pressure on the particles. */
@@ -216,8 +213,7 @@ PetscErrorCode ProjectionCreate(Flow *flow)
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;
   }
-  PetscCall(SteadyRefuse(flow, pr->row ? pr->row->name : NULL,
-                         pr->row && pr->row->rotational ? PETSC_TRUE : PETSC_FALSE));
+  PetscCall(SteadyRefuse(flow, pr->row ? pr->row->name : NULL, pr->row && pr->row->rotational));
   PetscCall(RefuseGain(scene, pr->row));
   PetscCall(MemoryAddReal(&flow->scheme->memory, "wall_slope_share", &pr->wall_slope_share));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -92,7 +92,7 @@ static PetscBool HasOpenings(const Flow *flow)
 
 static PetscBool HasMovingSurface(const Flow *flow)
 {
-  return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  return flow->ops->free && SceneMoves(flow->scene);
 }
 
 static PetscBool OwnsVolumes(const Flow *flow)
@@ -115,8 +115,7 @@ static PetscBool FiltersFirst(const Flow *flow)
 {
   const FlowState *s = flow->state;
 
-  return s->has_convection && !s->implicit_convection && s->velocity_filter > 1.0 ? PETSC_TRUE
-                                                                                  : PETSC_FALSE;
+  return s->has_convection && !s->implicit_convection && s->velocity_filter > 1.0;
 }
 
 static PetscErrorCode FollowAndRebuild(Flow *flow)

@@ -33,9 +33,7 @@ typedef struct {
 /* Returns true if fluid particle j has a cell. */
 static PetscBool HasCell(const Flow *flow, PetscInt j)
 {
-  return !ParticlesIsWall(flow->particles, j) && flow->ops->free->kind[j] != SURFACE_ISOLATED
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return !ParticlesIsWall(flow->particles, j) && flow->ops->free->kind[j] != SURFACE_ISOLATED;
 }
 
 /* Sets the points of the grid within `reach` of particle i; beyond walls of the box there are none.
@@ -84,7 +82,7 @@ static PetscInt FindRivals(const Flow *flow, PetscInt i, PetscReal reach, Rival 
       r->square += PetscSqr(r->x[a]);
     }
     if (r->square > PetscSqr(2.0 * reach)) continue;
-    r->first = p->id[j] < p->id[i] ? PETSC_TRUE : PETSC_FALSE;
+    r->first = p->id[j] < p->id[i];
     least    = PetscMin(least, r->square);
     n++;
   }
@@ -177,7 +175,7 @@ static PetscBool NeedsGrid(const Flow *flow, PetscInt i, PetscReal reach)
   if (p->dim == 3) return PETSC_TRUE;
   if (!flow->scene->n_bodies) return PETSC_FALSE;
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-  return SceneDistance(flow->scene, x, &body, normal) < reach ? PETSC_TRUE : PETSC_FALSE;
+  return SceneDistance(flow->scene, x, &body, normal) < reach;
 }
 
 /* Returns the volume of the cell of own particle i [m^dim]. Input: rival - room for its

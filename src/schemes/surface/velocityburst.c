@@ -55,7 +55,7 @@ static PetscErrorCode MeasureChanges(const Flow *flow, Changes *c)
 static PetscBool IsNear(const Particles *p, const PetscReal bursts[], PetscInt i, PetscInt j)
 {
   if (ParticlesIsWall(p, j) || bursts[j] == 0.0) return PETSC_FALSE;
-  return ParticlesSquareDistance(p, i, j) < PetscSqr(ABOUT * p->dx[i]) ? PETSC_TRUE : PETSC_FALSE;
+  return ParticlesSquareDistance(p, i, j) < PetscSqr(ABOUT * p->dx[i]);
 }
 
 /* Gives pair forces to the particles of the burst and to those near them, besides those that have
@@ -133,7 +133,7 @@ static PetscErrorCode DecideBurst(Flow *flow, Trial *trial, PetscBool *again)
 /* Returns true for moving fluids with a free surface whose viscous rows beside it are fits. */
 static PetscBool MayBurst(const Flow *flow)
 {
-  return SceneMoves(flow->scene) && OperatorsStressSurface(flow->ops) ? PETSC_TRUE : PETSC_FALSE;
+  return SceneMoves(flow->scene) && OperatorsStressSurface(flow->ops);
 }
 
 const Judge JudgeBurst = {

@@ -84,7 +84,7 @@ static PetscErrorCode DecideJump(Flow *flow, Trial *trial, PetscBool *again)
   if (trial->times > 0 || ClockRatio(clock) == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(RelativeJump(flow, &jump));
   jump        = PetscMin(1.0, PetscMax(0.0, (jump - SMOOTH) / (SUDDEN - SMOOTH)));
-  *again      = jump > clock->jump + RISE ? PETSC_TRUE : PETSC_FALSE;
+  *again      = jump > clock->jump + RISE;
   clock->jump = *again ? jump : PetscMin(jump, clock->jump);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,7 +92,7 @@ static PetscErrorCode DecideJump(Flow *flow, Trial *trial, PetscBool *again)
 /* Returns true for the flows that have a share, moving particles with a free surface. */
 static PetscBool MayJump(const Flow *flow)
 {
-  return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  return flow->ops->free && SceneMoves(flow->scene);
 }
 
 const Judge JudgeJump = {
