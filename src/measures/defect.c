@@ -13,6 +13,7 @@
 */
 #include "defect.h"
 #include "isph/strain.h"
+#include "monitors.h"
 
 #define SLAB    512  /* particles whose rows of neighbours are kept at once */
 #define DEGREE  3    /* of the fits */
@@ -53,21 +54,19 @@ static PetscReal TangentViscosity(const Rheology *rheology, PetscReal rate)
 static void SetStress(const Flow *flow, PetscInt i, const PetscReal A[], PetscBool viscous,
                       PetscReal *const S[], PetscReal *nu)
 {
-  const Scene     *scene  = flow->scene;
-  const Particles *p      = flow->particles;
-  const PetscInt   dim    = p->dim;
-  PetscReal        square = 0.0, own;
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  const PetscInt   dim   = p->dim;
+  const PetscReal  rate  = StrainRate(dim, A);
+  PetscReal        own;
 
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++) square += 0.5 * PetscSqr(A[a * dim + b] + A[b * dim + a]);
-  }
   *nu = own = 0.0;
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
     own = p->nu ? p->nu[i] : scene->nu;
     *nu = own;
     if (!SceneIsNewtonian(scene)) {
-      own = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
-      *nu = TangentViscosity(&scene->rheology, PetscSqrtReal(square));
+      own = RheologyViscosity(&scene->rheology, rate);
+      *nu = TangentViscosity(&scene->rheology, rate);
     }
   }
   for (PetscInt a = 0; a < dim; a++) {

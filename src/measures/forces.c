@@ -203,17 +203,6 @@ static PetscErrorCode LayerSet(const Scene *scene, PetscInt side, const Facets *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the strain rate sqrt(2 E:E) of a velocity gradient [1/s]. */
-static PetscReal StrainRate(PetscInt dim, const PetscReal A[])
-{
-  PetscReal square = 0.0;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++) square += 0.5 * PetscSqr(A[a * dim + b] + A[b * dim + a]);
-  }
-  return PetscSqrtReal(square);
-}
-
 /* Returns the centre of torques: the centre of a body, or the middle of the box. */
 static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
 {

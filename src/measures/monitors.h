@@ -76,6 +76,7 @@ PetscErrorCode FacetLoads(const Flow *flow, PetscInt side, const Facets *facets,
                           PetscReal **p);
 PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *facets, PetscReal **f,
                          PetscReal **p);
+PetscReal      StrainRate(PetscInt dim, const PetscReal gradient[]);
 void      AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
                     PetscReal T[]);
 PetscReal FacetHeight(const Scene *scene, PetscInt side, const PetscReal x[]);

@@ -85,6 +85,17 @@ static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, Petsc
   return along * (side % 2 ? -1.0 : 1.0);
 }
 
+/* StrainRate - Returns the strain rate sqrt(2 E:E) of a velocity gradient [1/s]; not collective */
+PetscReal StrainRate(PetscInt dim, const PetscReal A[])
+{
+  PetscReal square = 0.0;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) square += 0.5 * PetscSqr(A[a * dim + b] + A[b * dim + a]);
+  }
+  return PetscSqrtReal(square);
+}
+
 /* AddTorque - Adds (x - c) x f to T, in 2D the component T[2]; not collective */
 void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
                PetscReal T[])

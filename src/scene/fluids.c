@@ -31,11 +31,11 @@ PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])
 }
 
 /* SceneFluidViscosity - Returns the kinematic viscosity of a fluid by its number, at a place x at
-   the start [m^2/s]; not collective */
+   the start, its reference if x is NULL [m^2/s]; not collective */
 PetscReal SceneFluidViscosity(const Scene *scene, PetscInt fluid, const PetscReal x[])
 {
   if (fluid) return scene->region_nu[fluid - 1];
-  return scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
+  return scene->nu_field.n && x ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
 }
 
 /* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s]; not

@@ -4,6 +4,7 @@
 
 #include "isph/strain.h"
 
+#define FIT_REACH     3.3 /* largest radius of a fit [dx] */
 #define CELL_SIDES    (2 * ISPH_MAX_DIM)
 #define CELL_CORNERS  (1 << ISPH_MAX_DIM)
 #define CELL_SURFACES 12 /* parts of the surface in a cell, at most */
@@ -43,7 +44,6 @@ typedef struct {
   StrainRows       feet; /* rows of feet, sets for each */
 } StrainFits;
 
-PetscReal      StrainFluidViscosity(const Scene *scene, PetscInt fluid);
 PetscErrorCode StrainFeet(StrainFits *fits);
 PetscErrorCode StrainRowsOf(StrainFits *fits, const StrainPoints *points, StrainRows *rows);
 PetscErrorCode StrainRowsFree(StrainRows *rows);

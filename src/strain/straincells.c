@@ -5,19 +5,18 @@
 */
 #include "strain.h"
 
-#define LEAST_PART  1e-6 /* volume of a part of a cell that counts, over that of the cell */
-#define LEAST_MASS  0.3  /* of a particle, over its volume */
-#define NODE_REACH  1.5  /* particles that decide on the interface at a corner [dx] */
-#define WHOLE_REACH 3.3  /* FIT_REACH, and an edge: cells that a particle has a part in [dx] */
+#define LEAST_PART 1e-6 /* volume of a part of a cell that counts, over that of the cell */
+#define LEAST_MASS 0.3  /* of a particle, over its volume */
+#define NODE_REACH 1.5  /* particles that decide on the interface at a corner [dx] */
 
 /* StrainReach - Returns the largest distance of a particle that assembly reads for the rows of
    another [m]: both have a part in a cell, through points of interfaces if there are; not
    collective */
 PetscReal StrainReach(const Scene *scene)
 {
-  const PetscReal foot = SceneFluids(scene) > 1 ? WHOLE_REACH + 1.0 : 0.0;
+  const PetscReal foot = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
 
-  return (2.0 * WHOLE_REACH + 2.0 * CELL_EDGE + foot) * SceneCoarsest(scene);
+  return (2.0 * FIT_REACH + 2.0 * CELL_EDGE + foot) * SceneCoarsest(scene);
 }
 
 /* Corners of the block of cells. */
@@ -40,7 +39,7 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
 
   l->dim = p->dim;
   for (PetscInt a = 0; a < p->dim; a++) {
-    const PetscReal length = scene->hi[a] - scene->lo[a], reach = (WHOLE_REACH + edge) * scene->dx;
+    const PetscReal length = scene->hi[a] - scene->lo[a], reach = (FIT_REACH + edge) * scene->dx;
     const PetscBool around = SceneIsPeriodic(scene, a);
     PetscInt        first, last;
 
@@ -227,7 +226,8 @@ static PetscInt StiffestOf(const Scene *scene, PetscInt n, const PetscInt fluid[
 
   for (PetscInt k = 0; k < n; k++) {
     if (fluid[k] == own) continue;
-    if (best < 0 || StrainFluidViscosity(scene, fluid[k]) > StrainFluidViscosity(scene, best))
+    if (best < 0 ||
+        SceneFluidViscosity(scene, fluid[k], NULL) > SceneFluidViscosity(scene, best, NULL))
       best = fluid[k];
   }
   return best;
@@ -297,13 +297,14 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const 
                               const CellPart *part, Sides *sides, Facets *facets)
 {
   const PetscInt other = StiffestOf(scene, n_fluids, fluids, fluid);
-  const PetscInt stiff =
-      other >= 0 && (StrainFluidViscosity(scene, other) > StrainFluidViscosity(scene, fluid) ||
-                     (StrainFluidViscosity(scene, other) == StrainFluidViscosity(scene, fluid) &&
-                      other > fluid))
-          ? other
-          : fluid;
-  PetscInt point = 0;
+  const PetscInt stiff = other >= 0 && (SceneFluidViscosity(scene, other, NULL) >
+                                            SceneFluidViscosity(scene, fluid, NULL) ||
+                                        (SceneFluidViscosity(scene, other, NULL) ==
+                                             SceneFluidViscosity(scene, fluid, NULL) &&
+                                         other > fluid))
+                             ? other
+                             : fluid;
+  PetscInt       point = 0;
 
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 2 * l->dim; side++) {

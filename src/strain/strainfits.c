@@ -11,18 +11,10 @@
 #include "isph/fits.h"
 #include "strain.h"
 
-#define FIT_REACH  3.3   /* largest radius of a fit [dx] */
 #define FIT_MOST   160   /* particles around a point */
 #define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
 #define WALL_RIDGE 1e-13 /* of the normal equations, over their trace: points are in a plane */
-
-/* StrainFluidViscosity - Returns the viscosity of a fluid of the scene, the reference of the
-   surrounding one [m^2/s]; not collective */
-PetscReal StrainFluidViscosity(const Scene *scene, PetscInt fluid)
-{
-  return fluid ? scene->region_nu[fluid - 1] : scene->nu;
-}
 
 /* StrainPointAdd - Adds a point; not collective */
 PetscErrorCode StrainPointAdd(PetscInt dim, const PetscReal x[], PetscInt fluid, PetscInt side,
@@ -149,8 +141,8 @@ static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, Pet
       ParticlesWallPoint(p, j, y);
     } else if (p->fluid && (PetscInt)p->fluid[j] != fluid) {
       if (!f->foot || f->foot[j] < 0) continue;
-      if (StrainFluidViscosity(f->scene, (PetscInt)p->fluid[j]) <=
-          StrainFluidViscosity(f->scene, fluid))
+      if (SceneFluidViscosity(f->scene, (PetscInt)p->fluid[j], NULL) <=
+          SceneFluidViscosity(f->scene, fluid, NULL))
         continue;
       FootOf(p, j, y);
       code = -1 - (f->foot[j] * f->sets + (f->sets > 1 ? c : 0));

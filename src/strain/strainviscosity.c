@@ -148,8 +148,8 @@ void StrainViscosities(const Scene *scene, const Particles *p, StrainCells *s)
   for (PetscInt c = 0; c < s->n; c++) {
     const PetscBool varies = p->nu && s->fluid[c] == 0 && (scene->nu_field.n || !scene->n_regions);
 
-    s->nu[c] = varies ? FittedViscosity(p, s, c) : StrainFluidViscosity(scene, s->fluid[c]);
-    if (s->nu[c] <= 0.0) s->nu[c] = StrainFluidViscosity(scene, s->fluid[c]);
+    s->nu[c] = varies ? FittedViscosity(p, s, c) : SceneFluidViscosity(scene, s->fluid[c], NULL);
+    if (s->nu[c] <= 0.0) s->nu[c] = SceneFluidViscosity(scene, s->fluid[c], NULL);
   }
 }
 
