@@ -10,7 +10,8 @@
   weights of Z is up to 36/R, and steps of 0.1 dx^2/nu amplified disturbances of single particles:
   docs/theory.md, (330).
 
-  The product G Z has twice the entries of A: solvers that only multiply never form it.
+  The product G Z has twice the entries of A: solvers that only multiply never form it. In the short
+  steps of a projection they need no preconditioner: the diagonal of A alone is a worse one.
 */
 #include "viscosity.h"
 
@@ -82,19 +83,6 @@ static PetscErrorCode ShellMult(Mat J, Vec u, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the diagonal without the term of the surface. */
-static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
-{
-  Viscosity *v;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(J, &v));
-  PetscCall(MatGetDiagonal(Viscous(v), diagonal));
-  PetscCall(VecScale(diagonal, -v->flow->scene->nu));
-  PetscCall(VecShift(diagonal, v->shift));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Creates the matrix shift I - (nu A - G Z/rho), whose product G Z has many entries. */
 static PetscErrorCode Form(const Viscosity *v, PetscReal shift, Mat *J)
 {
@@ -136,7 +124,6 @@ PetscErrorCode SurfaceStressJacobian(Viscosity *v, Mat *J)
   }
   PetscCall(MatCreateShell(v->flow->particles->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, v, J));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (void (*)(void))ShellMult));
-  PetscCall(MatShellSetOperation(*J, MATOP_GET_DIAGONAL, (void (*)(void))ShellGetDiagonal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -66,6 +66,7 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, RegimeWord(regime, REGIME_VISC_PC)));
+  if (v->surface) PetscCall(PCSetType(pc, PCNONE)); /* see surfacestress.c */
   if (flow->ops->forms.visc.row->weak) PetscCall(PCSetType(pc, PCBJACOBI)); /* AMG breaks down */
   if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault("visc_", "-sub_pc_type", PCLU));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -137,7 +138,7 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Decides if the solver takes a shell: it only multiplies, by default with Jacobi at small
+/* Decides if the solver takes a shell: it only multiplies, by default with Jacobi or none at small
    stiffness, and no option shows or tests the matrix. */
 static PetscErrorCode ChooseShell(Viscosity *v)
 {
@@ -150,7 +151,8 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   PetscCall(KSPGetPC(v->guard.solve.ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)v->guard.solve.ksp, &multiplies, KSPGMRES, KSPCG,
                                       KSPFGMRES, KSPBCGS, ""));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCJACOBI, PCNONE, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCNONE,
+                                      v->surface ? "" : PCJACOBI, ""));
   PetscCall(PetscStrcmp(v->guard.mat_type, MATSAME, &same));
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));

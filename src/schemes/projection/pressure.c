@@ -18,7 +18,6 @@
 #define FISCHER_MODEL 1    /* the residual of the guess is minimal */
 #define REFINEMENTS   3    /* solves of the first pressure, each to 1e-5 of the residual before */
 #define FISCHER_SIZE  8    /* earlier solutions; ten save 1 % of iterations, two vectors each */
-#define OPERATOR      "operator" /* of the equation, with a matrix of pairs for preconditioners */
 
 struct Pressure {
   Guard guard;
@@ -54,12 +53,9 @@ static PetscErrorCode FlattenShell(Mat A, Mat *flat)
 static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
 {
   PetscBool has_column, is_shell;
-  Mat       A;
+  Mat       A = P;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectQuery((PetscObject)P, OPERATOR, (PetscObject *)&A));
-  if (A) P = A;
-  else A = P;
   PetscCall(PetscObjectTypeCompare((PetscObject)P, MATLRC, &has_column));
   if (has_column) PetscCall(MatLRCGetMats(P, &A, NULL, NULL, NULL));
   PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &is_shell));
@@ -142,7 +138,7 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
   PetscCall(KSPGetPC(s->guard.solve.ksp, &pc));
   if (!sp && flow->scene->dim == 3)
     PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &s->pairs, PCHYPRE, PCGAMG, PCML, ""));
-  if (s->passing || s->pairs) s->guard.Flatten = FlattenRegular;
+  if (s->passing) s->guard.Flatten = FlattenRegular;
   PetscCall(SchemeAddSolve(&s->guard.solve, flow->scheme));
   *ppe = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -424,8 +420,6 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
     PetscCall(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
     PetscCall(KSPSetOperators(ksp, A, s->preconditioner ? s->preconditioner : A));
   }
-  if (s->pairs && s->preconditioner)
-    PetscCall(PetscObjectCompose((PetscObject)s->preconditioner, OPERATOR, (PetscObject)A));
   PetscCall(MatDestroy(&A));
   s->assemblies = m.assemblies;
   s->epoch      = flow->particles->epoch;
