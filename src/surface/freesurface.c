@@ -29,7 +29,7 @@
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
 #define SURFACE_WORK                                                                               \
-  3.0 /* of a particle on a surface beyond one inside: docs/results/scaling.md [-] */
+  3.0 /* of a particle on a surface beyond one inside: docs/howto/many-ranks.md [-] */
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
