@@ -152,5 +152,5 @@ const SchemeRow SchemeProjection = {
     .Destroy  = ProjectionDestroy,
     .stages   = stages,
     .judges   = judges,
-    .memory   = {{1.9, 2.8, 2.3, 12.5}, {5.6, 9.2, 5.6, 120.0}},
+    .memory   = {{1.9, 2.8, 2.3, 6.9}, {5.6, 9.2, 5.6, 35.0}},
 };
