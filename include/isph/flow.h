@@ -228,6 +228,14 @@ typedef struct {
 /* The column of the report that a linear solve fills. */
 typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
 
+/* The set-up of a preconditioner, see src/solvers/setup.c. */
+typedef struct {
+  PetscBool exists;
+  PetscInt  epoch;       /* of the particles */
+  PetscInt  first, last; /* iterations of the first and of the last solve with it */
+  PetscReal shift;       /* of its matrix [1/s] */
+} SetUp;
+
 /* A linear solve of a scheme, for banner, report, progress and checkpoints. */
 typedef struct {
   const char *name;           /* in messages: "viscous", "pressure", ... */
@@ -242,6 +250,8 @@ typedef struct {
   char        note[256];      /* allowed but unwise choices of the user; empty: none */
   PetscInt    iterations;     /* of the last step */
   PetscInt    iterations_sum; /* of all steps */
+  PetscInt    setups;         /* of the preconditioner */
+  SetUp       setup;          /* the present one */
   PetscInt    falls;          /* solves that needed a fallback */
   PetscInt    falls_in_a_row; /* those since the last good solve */
 } LinearSolve;

@@ -72,9 +72,14 @@ PetscErrorCode SolverSetUpGamg(KSP ksp);
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
+/* setup.c */
+PetscBool SetUpHolds(const SetUp *setup, const Particles *particles, PetscReal shift);
+void      SetUpRenew(const Particles *particles, PetscReal shift, LinearSolve *solve);
+void      SetUpCount(PetscInt iterations, SetUp *setup);
+
 /* pairlaplacian.c */
-PetscErrorCode PairLaplacian(const Particles *particles, const Neighbors *neighbors, Vec row,
-                             const PetscReal nu[], Vec diagonal, const PetscReal given[], Mat *A);
+PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
+                             const PetscReal given[], Mat *A);
 
 /* timestep.c */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);

@@ -203,17 +203,12 @@ static const RegimeRow viscous_rtols[] = {
 };
 
 static const RegimeRow block_pcs[] = {
-    {FACT_VARIES, 0, ANY, "bjacobi", "AMG fails with viscosities that vary"},
-    {FACT_SURFACE | FACT_MOVES, FACT_VARIES, UPTO(100.0), "bjacobi",
-     "AMG does not hold with rows of rough surfaces"},
-    {FACT_SURFACE | FACT_MOVES, FACT_VARIES, ABOVE(100.0), "hypre",
-     "block Jacobi takes too many iterations"},
-    {FACT_SURFACE, FACT_VARIES | FACT_MOVES, UPTO(2.0), "bjacobi", "few iterations"},
-    {FACT_SURFACE, FACT_VARIES | FACT_MOVES, ABOVE(2.0), "hypre",
-     "iterations that do not grow with the step"},
-    {0, FACT_VARIES | FACT_SURFACE, UPTO(2.0), "bjacobi", "few iterations"},
-    {0, FACT_VARIES | FACT_SURFACE, ABOVE(2.0), "hypre",
-     "iterations that do not grow with the step"},
+    {FACT_SURFACE, 0, UPTO(0.2), "jacobi", "few iterations, and no set-up"},
+    {FACT_SURFACE, 0, RANGE(0.2, 10.0), "factors",
+     "iterations of Jacobi grow with the number of particles"},
+    {FACT_SURFACE, 0, ABOVE(10.0), "two_level", "iterations that do not grow with the step"},
+    {0, FACT_SURFACE, UPTO(2.0), "factors", "few iterations"},
+    {0, FACT_SURFACE, ABOVE(2.0), "two_level", "iterations that do not grow with the step"},
 };
 
 static const RegimeRow chorin_holds[] = {

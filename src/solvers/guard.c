@@ -32,6 +32,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* only the first failure is reported */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
+  SetUpCount(guard->iterations, &guard->solve.setup);
   PetscCall(SolveResidual(ksp, rhs, solution, &guard->residual, &good));
   if (guard->inner && guard->reason >= 0) good = PETSC_TRUE;
   if (good) {

@@ -86,14 +86,18 @@ static PetscInt SortRow(PetscInt n, PetscInt col[], PetscScalar value[])
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226, for the form
 */
-PetscErrorCode PairLaplacian(const Particles *p, const Neighbors *nb, Vec row, const PetscReal nu[],
-                             Vec diagonal, const PetscReal given[], Mat *A)
+PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
+                             const PetscReal given[], Mat *A)
 {
+  Particles         *p        = flow->particles;
+  Neighbors         *nb       = flow->neighbors;
+  const PetscBool    keeps    = SceneMoves(flow->scene) || flow->ops->free;
   const PetscReal    strength = PairStrength(p->dim);
   const PetscScalar *factor, *extra = NULL;
   SparseRows         to;
 
   PetscFunctionBegin;
+  if (!keeps) PetscCall(NeighborsUpdate(p, 0.0, nb)); /* fixed particles keep no rows of them */
   PetscCall(SparseRowsMalloc(p->n_fluid, p->n_fluid + nb->row[p->n_fluid], &to));
   PetscCall(VecGetArrayRead(row, &factor));
   if (diagonal) PetscCall(VecGetArrayRead(diagonal, &extra));
@@ -122,6 +126,7 @@ PetscErrorCode PairLaplacian(const Particles *p, const Neighbors *nb, Vec row, c
   }
   if (diagonal) PetscCall(VecRestoreArrayRead(diagonal, &extra));
   PetscCall(VecRestoreArrayRead(row, &factor));
+  if (!keeps) PetscCall(NeighborsRelease(nb));
   PetscCall(SparseRowsMat(p->comm, &to, p->n_fluid, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,8 @@
   The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
   options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
   on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
-  saddlesurface.c the pressures of free surfaces in it, schur.c the Schur complement, rheology.c
+  saddlesurface.c the pressures of free surfaces in it, velocityblock.c and schur.c the
+  preconditioners of velocities and of pressures, rheology.c
   viscosities that follow the strain rate, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
@@ -55,9 +56,24 @@ struct Schur {
 };
 
 PetscErrorCode SchurCreate(Schur *schur);
-PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, Schur *schur);
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
+                             Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
+
+/* The preconditioner of velocities, see velocityblock.c. */
+typedef struct {
+  const char   *name; /* NULL: the user has chosen another one */
+  const Flow   *flow;
+  const Saddle *saddle;
+  KSP           factors; /* Jacobi, or factors of the blocks of ranks */
+  KSP           cycle;   /* of AMG for a component; NULL: none */
+} VelocityBlock;
+
+PetscErrorCode VelocityBlockCreate(const Flow *flow, VelocityBlock *block);
+PetscErrorCode VelocityBlockSetUp(const Saddle *saddle, VelocityBlock *block);
+PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *saddle, VelocityBlock *block);
+PetscErrorCode VelocityBlockFree(VelocityBlock *block);
 
 typedef struct {
   const CoupledIntegratorRow *row;
@@ -67,8 +83,8 @@ typedef struct {
   Guard                       guard;
   Saddle                      saddle;
   Mat                         flat; /* P for preconditioners without blocks, otherwise NULL */
+  VelocityBlock               velocity;
   Schur                       schur;
-  PetscReal                   shift;               /* of the preconditioner [1/s] */
   Vec                         x, b;                /* unknowns; right-hand side at time b_t [m/s] */
   PetscReal                   b_t;                 /* NaN: b is out of date [s] */
   Vec                         part, work;          /* work vectors of a component */

@@ -124,44 +124,54 @@ static PetscErrorCode AddTerm(Mat term, Mat *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the matrix T_i (-nu L + v.grad) of all interlaced velocity components; v: `advecting`, if
-   given. Terms that are the same for each component are summed up before they are interlaced. */
-static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec advecting[],
-                                    Mat *viscous)
+/* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all interlaced velocity components;
+   v: `advecting`, if given. Terms that are the same for each component are summed up before they
+   are interlaced, and F is a MATMAIJ if it has no others. */
+static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], MatType type,
+                                     Saddle *s)
 {
   const Scene             *scene   = flow->scene;
   const VelocityOperators *of      = &flow->ops->velocity[0];
   const PetscBool          couples = flow->ops->forms.components_coupled;
-  Mat                      term, scalar = NULL, all;
+  Mat                      term, scalar = NULL;
   Vec                      rows;
 
   PetscFunctionBegin;
   PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, &term));
   PetscCall(MatScale(term, -scene->nu));
-  *viscous = couples ? term : NULL;
+  s->F = couples ? term : NULL;
   if (!couples) scalar = term;
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
     PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &term));
     PetscCall(MatDiagonalScale(term, advecting[a], NULL));
     PetscCall(AddTerm(term, &scalar));
   }
-  if (scalar) {
-    PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
-    PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &term));
-    PetscCall(AddTerm(term, viscous));
-    PetscCall(MatDestroy(&all));
+  if (scalar) PetscCall(MatCreateMAIJ(scalar, scene->dim, &term));
+  if (scalar && !couples && s->repeats) {
+    s->component = scalar;
+    s->F         = term;
+  } else if (scalar) {
+    PetscCall(MatConvert(term, MATAIJ, MAT_INPLACE_MATRIX, &term));
+    PetscCall(AddTerm(term, &s->F));
     PetscCall(MatDestroy(&scalar));
   }
-  PetscCall(VelocityVecRepeat(flow->particles, s->time, &rows));
+  if (s->component) {
+    PetscCall(VecDuplicate(s->time, &rows));
+    PetscCall(VecCopy(s->time, rows));
+  } else {
+    PetscCall(VelocityVecRepeat(flow->particles, s->time, &rows));
+    PetscCall(MatSetBlockSize(s->F, scene->dim));
+    PetscCall(MatConvert(s->F, type, MAT_INPLACE_MATRIX, &s->F));
+  }
   PetscCall(VecScale(rows, s->step));
-  PetscCall(MatDiagonalScale(*viscous, rows, NULL));
-  PetscCall(MatSetBlockSize(*viscous, scene->dim));
-  PetscCall(VecDestroy(&rows));
+  PetscCall(MatDiagonalScale(s->component ? s->component : s->F, rows, NULL));
+  PetscCall(MatGetDiagonal(s->component ? s->component : s->F, rows));
+  s->diagonal = rows;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  SaddleAssemble - Assembles all blocks except F from the present operators; for F see
+  SaddleAssemble - Assembles all blocks from the present operators, but for the shift of F; see
   SaddleSetShift()
 
   Collective.
@@ -183,34 +193,40 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   s->shift      = NAN;
   s->assemblies = flow->ops->assemblies;
   PetscCall(SetUnits(flow, s));
-  PetscCall(ViscousCreate(flow, s, advecting, &s->viscous));
+  PetscCall(CreateMomentum(flow, advecting, type, s));
   PetscCall(CreateBlocks(flow, s));
   PetscCall(SaddleEliminateSurface(flow->ops->free, s));
-  PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
     PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim * p->n_fluid, s->n_p, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
-  PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
+  if (s->Z) PetscCall(SaddleCreateProduct(s));
+  else PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Computes the momentum block F = T_i shift + viscous for a new shift, the factor
-   of u in du/dt; collective */
+/* SaddleSetShift - Computes the momentum block F for a new shift, the factor of u in du/dt;
+   collective */
 PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 {
   Vec rows;
 
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
-  PetscCall(VelocityVecRepeat(p, s->time, &rows));
-  PetscCall(VecScale(rows, s->step * shift));
-  PetscCall(MatDiagonalSet(s->F, rows, ADD_VALUES));
+  if (s->component) {
+    PetscCall(VecDuplicate(s->time, &rows));
+    PetscCall(VecCopy(s->time, rows));
+  } else {
+    PetscCall(VelocityVecRepeat(p, s->time, &rows));
+  }
+  PetscCall(VecAYPX(rows, s->step * shift, s->diagonal));
+  PetscCall(MatDiagonalSet(s->component ? s->component : s->F, rows, INSERT_VALUES));
   PetscCall(VecDestroy(&rows));
-  for (PetscInt k = 0; k < 2; k++) { /* tells PETSc about the changed block */
-    PetscCall(MatAssemblyBegin(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
-    PetscCall(MatAssemblyEnd(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
+  for (PetscInt k = 0; k < 3; k++) { /* tells PETSc about the changed block */
+    const Mat changed[] = {s->F, s->P, s->A};
+
+    PetscCall(MatAssemblyBegin(changed[k], MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(changed[k], MAT_FINAL_ASSEMBLY));
   }
   s->shift = shift;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -219,10 +235,11 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 /* SaddleFree - Frees all matrices and units; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
-  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z, &s->C, &s->D, &s->G, &s->F, &s->viscous};
+  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z, &s->C, &s->D, &s->G, &s->F, &s->component};
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
+  PetscCall(VecDestroy(&s->diagonal));
   PetscCall(VecDestroy(&s->time));
   PetscCall(VecDestroy(&s->length));
   PetscCall(VecDestroy(&s->mass));
@@ -239,18 +256,21 @@ PetscErrorCode SaddleFree(Saddle *s)
   the pressure would make the matrix singular. On entry flat is NULL, or a matrix of the same blocks
   that is reused. A matrix without blocks is not copied.
 */
-PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
+PetscErrorCode SaddleFlatten(Mat P, Mat *flat)
 {
   const PetscInt *index;
   PetscInt        n;
   PetscBool       nested;
   IS              rows[2];
+  Mat             product;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)nest, MATNEST, &nested));
+  PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
   if (!nested) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatConvert(nest, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
-  PetscCall(MatNestGetISs(nest, rows, NULL));
+  PetscCall(SaddleMultiplyOut(P, &product));
+  PetscCall(MatConvert(product, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
+  PetscCall(MatDestroy(&product));
+  PetscCall(MatNestGetISs(P, rows, NULL));
   PetscCall(ISGetLocalSize(rows[1], &n));
   PetscCall(ISGetIndices(rows[1], &index));
   for (PetscInt i = 0; i < n; i++)

@@ -22,12 +22,15 @@ typedef struct {
                            equation of the pressure there [-] */
   Vec       pressure;    /* unit of each pressure over `unit` [-] */
   Vec       constant;    /* numbers of splines that make the pressure 1; NULL: all are 1 [-] */
+  PetscBool repeats;     /* F may be MATMAIJ; chosen before the assembly */
   PetscReal shift;       /* shift in F; NaN: F is out of date [1/s] */
-  Mat       viscous;     /* T_i (-nu L + v.grad), dim N x dim N [-] */
-  Mat       F, G, D;     /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
+  Vec       diagonal;    /* of F, or of `component`, for shift 0 [-] */
+  Mat       component;   /* the block of each component in F, a MATMAIJ; NULL: F is no such [-] */
+  Mat       F, G, D;     /* T_i (shift - nu L + v.grad); T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;           /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
   Mat       Z;          /* 2 mu n.E n on free surfaces, see saddlesurface.c; NULL: no surface [-] */
-  Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C]; the same if c is NULL */
+  Mat       P;          /* [F G; D C] */
+  Mat       A;          /* [F G; D C + c c^T], with Z a product; P itself without c and Z */
   Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
   PetscInt  assemblies; /* stamp of the operators in the blocks */
 } Saddle;
@@ -37,7 +40,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
                               Saddle *saddle);
 PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
-PetscErrorCode SaddleFlatten(Mat nest, Mat *flat);
+PetscErrorCode SaddleFlatten(Mat P, Mat *flat);
 PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
@@ -52,6 +55,8 @@ PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *sad
 
 /* saddlesurface.c */
 PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *saddle);
+PetscErrorCode SaddleCreateProduct(Saddle *saddle);
+PetscErrorCode SaddleMultiplyOut(Mat P, Mat *product);
 PetscErrorCode SaddleAddTension(const FreeSurface *surface, const Saddle *saddle, Vec b);
 PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);
 

@@ -4,39 +4,121 @@
 
     [F G; D C] [u; q] = [F + G Z, G; D + C Z, C] [u; q - Z u]
 
-  The same row of D is -Z, and vanishes in D + C Z. F alone has no condition on the normal stress
-  and an eigenvalue with negative real part for each particle of the surface; no Schur complement of
-  F has a simple approximation. F + G Z has both conditions of the surface, and the approximations
-  of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
+  F alone has no condition on the normal stress and an eigenvalue with negative real part for each
+  particle of the surface; no Schur complement of F has a simple approximation. F + G Z has both
+  conditions of the surface, and the approximations of schur.c suit its Schur complement:
+  docs/theory.md, (156) and (157). The products G Z and C Z are never formed but for direct solvers:
+  they have twice the entries of F.
 */
 #include "saddle.h"
 
-/* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
-   collective */
+#define KEY_Z "isph_surface" /* of Z with the blocks */
+
+/* SaddleEliminateSurface - Computes Z from the rows of D on free surfaces; collective */
 PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *s)
 {
-  PetscInt *outer, *inner, first, n_outer = 0, n_inner = 0; /* global numbers */
-  Mat       GZ, CZ;
+  PetscInt *inner, first, n_inner = 0; /* global numbers */
 
   PetscFunctionBegin;
   if (!surface) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatGetOwnershipRange(s->D, &first, NULL));
-  PetscCall(PetscMalloc2(s->n, &outer, s->n, &inner));
-  for (PetscInt i = 0; i < s->n; i++) {
-    if (FreeSurfaceHolds(surface, i)) outer[n_outer++] = first + i;
-    else inner[n_inner++] = first + i;
-  }
+  PetscCall(PetscMalloc1(s->n, &inner));
+  for (PetscInt i = 0; i < s->n; i++)
+    if (!FreeSurfaceHolds(surface, i)) inner[n_inner++] = first + i;
   PetscCall(MatDuplicate(s->D, MAT_COPY_VALUES, &s->Z));
   PetscCall(MatScale(s->Z, -1.0));
   PetscCall(MatZeroRows(s->Z, n_inner, inner, 0.0, NULL, NULL));
-  PetscCall(MatMatMult(s->G, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &GZ));
-  PetscCall(MatMatMult(s->C, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &CZ));
-  PetscCall(SparseAdd(GZ, &s->viscous));
-  PetscCall(SparseAdd(CZ, &s->D));
-  PetscCall(MatZeroRows(s->D, n_outer, outer, 0.0, NULL, NULL));
-  PetscCall(MatDestroy(&GZ));
-  PetscCall(MatDestroy(&CZ));
-  PetscCall(PetscFree2(outer, inner));
+  PetscCall(PetscFree(inner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The context of the product A. */
+typedef struct {
+  Mat P, Z;
+  IS  rows[2]; /* of velocities and pressures */
+  Vec q;       /* q' + Z u */
+} Product;
+
+/* Computes y = [F G; D C] (u, q' + Z u) for x = (u, q'). */
+static PetscErrorCode Product_Mult(Mat A, Vec x, Vec y)
+{
+  Product *a;
+  Mat    **block;
+  Vec      u, q, part;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, (void *)&a));
+  PetscCall(MatNestGetSubMats(a->P, NULL, NULL, &block));
+  PetscCall(VecGetSubVector(x, a->rows[0], &u));
+  PetscCall(VecGetSubVector(x, a->rows[1], &q));
+  PetscCall(MatMultAdd(a->Z, u, q, a->q));
+  PetscCall(VecRestoreSubVector(x, a->rows[1], &q));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(VecGetSubVector(y, a->rows[k], &part));
+    PetscCall(MatMult(block[k][0], u, part));
+    PetscCall(MatMultAdd(block[k][1], a->q, part, part));
+    PetscCall(VecRestoreSubVector(y, a->rows[k], &part));
+  }
+  PetscCall(VecRestoreSubVector(x, a->rows[0], &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Product_Destroy(Mat A)
+{
+  Product *a;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, (void *)&a));
+  PetscCall(VecDestroy(&a->q));
+  PetscCall(PetscFree(a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleCreateProduct - Creates A in the unknowns (u, q - Z u) as a product, and keeps Z with P for
+   SaddleMultiplyOut(); collective */
+PetscErrorCode SaddleCreateProduct(Saddle *s)
+{
+  PetscInt n, N;
+  Product *a;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&a));
+  a->P = s->P;
+  a->Z = s->Z;
+  PetscCall(MatNestGetISs(s->P, a->rows, NULL));
+  PetscCall(MatCreateVecs(s->Z, NULL, &a->q));
+  PetscCall(MatGetLocalSize(s->P, &n, NULL));
+  PetscCall(MatGetSize(s->P, &N, NULL));
+  PetscCall(MatCreateShell(PetscObjectComm((PetscObject)s->P), n, n, N, N, a, &s->A));
+  PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))Product_Mult));
+  PetscCall(MatShellSetOperation(s->A, MATOP_DESTROY, (void (*)(void))Product_Destroy));
+  PetscCall(PetscObjectCompose((PetscObject)s->P, KEY_Z, (PetscObject)s->Z));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SaddleMultiplyOut - Creates the blocks of A, [F + G Z, G; D + C Z, C], for direct solvers
+
+  Collective. Output: product - P itself without Z and with blocks of type MATAIJ.
+*/
+PetscErrorCode SaddleMultiplyOut(Mat P, Mat *product)
+{
+  const MPI_Comm comm = PetscObjectComm((PetscObject)P);
+  Mat            Z, part, sum[2], **block;
+
+  PetscFunctionBegin;
+  PetscCall(MatNestGetSubMats(P, NULL, NULL, &block));
+  PetscCall(PetscObjectQuery((PetscObject)P, KEY_Z, (PetscObject *)&Z));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(MatConvert(block[k][0], MATAIJ, MAT_INITIAL_MATRIX, &sum[k]));
+    if (!Z) continue;
+    PetscCall(MatMatMult(block[k][1], Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &part));
+    PetscCall(SparseAdd(part, &sum[k]));
+    PetscCall(MatDestroy(&part));
+  }
+  PetscCall(MatCreateNest(comm, 2, NULL, 2, NULL, (Mat[]){sum[0], block[0][1], sum[1], block[1][1]},
+                          product));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatDestroy(&sum[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -223,40 +223,62 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets up the solver of the Poisson equation of particles, by the pair-wise Laplacian: it needs
+   nothing of the operators but what boundaries with given pressures add to the diagonal. */
+static PetscErrorCode SetUpPoisson(const Flow *flow, MatType type, Schur *s)
+{
+  const Particles *p    = flow->particles;
+  PetscReal       *zero = NULL;
+  Vec              one, sums;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->work, &one));
+  PetscCall(VecDuplicate(s->work, &sums));
+  PetscCall(VecSet(one, 1.0));
+  PetscCall(MatMult(flow->ops->ppe.A, one, sums));
+  PetscCall(VecZeroEntries(s->work));
+  PetscCall(VecPointwiseMax(sums, sums, s->work));
+  if (s->free) {
+    PetscCall(PetscCalloc1(ParticlesOwn(p) + p->n_halo_fluid + p->n_halo_wall, &zero));
+    for (PetscInt i = 0; i < p->n_fluid; i++) zero[i] = FreeSurfaceHolds(s->free, i) ? 1.0 : 0.0;
+    PetscCall(ParticlesHaloField(p, zero));
+  }
+  PetscCall(MatDestroy(&s->poisson));
+  PetscCall(PairLaplacian(flow, one, NULL, sums, zero, &s->poisson));
+  PetscCall(MatConvert(s->poisson, type, MAT_INPLACE_MATRIX, &s->poisson));
+  PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
+  PetscCall(KSPReset(s->ksp));
+  PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
+  PetscCall(PetscFree(zero));
+  PetscCall(VecDestroy(&sums));
+  PetscCall(VecDestroy(&one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchurAssemble - Creates the matrices of the approximation for new operators
 
-  Collective. Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than
-  shell (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
-*/
-PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, Schur *s)
-{
-  const Particles *p   = flow->particles;
-  const Operators *ops = flow->ops;
+  Collective. Input: anew - the solver of the Poisson equation is set up anew.
 
+  Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than shell
+  (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
+*/
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
+                             Schur *s)
+{
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
   PetscCall(VecDuplicate(saddle->pressure, &s->work));
   s->scene     = flow->scene;
   s->splines   = flow->scheme->splines;
-  s->particles = p;
+  s->particles = flow->particles;
   s->saddle    = saddle;
-  s->free      = ops->free;
-  PetscCall(MatCreateConstantDiagonal(p->comm, saddle->n_p, saddle->n_p, PETSC_DETERMINE,
-                                      PETSC_DETERMINE, 1.0, &s->mass));
-  if (s->splines) {
-    PetscCall(AssembleOnSplines(type, s));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MatDestroy(&s->poisson));
-  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
-  PetscCall(AmgDiagonal(s->poisson));
-  PetscCall(MatConvert(s->poisson, type, MAT_INPLACE_MATRIX, &s->poisson));
-  PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
-  PetscCall(KSPReset(s->ksp));
-  PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
+  s->free      = flow->ops->free;
+  PetscCall(MatCreateConstantDiagonal(flow->particles->comm, saddle->n_p, saddle->n_p,
+                                      PETSC_DETERMINE, PETSC_DETERMINE, 1.0, &s->mass));
+  if (s->splines) PetscCall(AssembleOnSplines(type, s));
+  else if (s->row->poisson && anew) PetscCall(SetUpPoisson(flow, type, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

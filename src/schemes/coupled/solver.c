@@ -22,37 +22,25 @@ static const OptionRow options[] = {
 };
 const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme", options);
 
-/* Sets defaults for the solvers of the field split's blocks: a single application of the regime's
-   preconditioner for velocities, with more fill in 2D where viscosities vary, which ILU(0) does not
-   hold with (in 3D it does, and fill takes three times as long), and with complete factors of the
-   blocks of ranks where the form is cut at interfaces; for pressures the shell
-   preconditioner of schur.c. */
-static PetscErrorCode BlockDefaults(const Flow *flow)
+/* Sets defaults for the solvers of the field split's blocks: a single application of the
+   preconditioners of velocityblock.c and schur.c. Options of the user may name others. */
+static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
 {
-  const Scene    *scene  = flow->scene;
-  const PetscBool varies = SceneViscosityVaries(scene);
-  const char     *velocity;
-  char            type[32];
-  PetscBool       blocks, given;
+  const char *const prefix[] = {"coupled_fieldsplit_velocity_", "coupled_fieldsplit_pressure_"};
+  char              type[32] = PCSHELL;
+  PetscBool         same;
 
   PetscFunctionBegin;
-  scene->regime->number[NUMBER_STIFFNESS] =
-      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
-  velocity = RegimeWord(scene->regime, REGIME_BLOCK_PC);
-  PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));
-  PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-pc_type", velocity));
-  PetscCall(PetscOptionsGetString(NULL, "coupled_fieldsplit_velocity_", "-pc_type", type,
-                                  sizeof(type), &given));
-  PetscCall(PetscStrcmp(type, PCBJACOBI, &blocks));
-  if (OperatorsCutFluids(scene, flow->ops))
-    PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-sub_pc_type", PCLU));
-  else if (varies && blocks && scene->dim == 2)
-    PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-sub_pc_factor_levels", "1"));
-  PetscCall(AmgDefaults("coupled_fieldsplit_velocity_", "0"));
-  if (SceneHasFreeSurface(scene) && scene->dim == 2)
-    PetscCall(AmgSmoothByFactors("coupled_fieldsplit_velocity_"));
-  PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-ksp_type", KSPPREONLY));
-  PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-pc_type", PCSHELL));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(OptionDefault(prefix[k], "-ksp_type", KSPPREONLY));
+    PetscCall(OptionDefault(prefix[k], "-pc_type", PCSHELL));
+  }
+  PetscCall(PetscOptionsGetString(NULL, prefix[0], "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrcmp(type, PCSHELL, &same));
+  if (same) PetscCall(VelocityBlockCreate(flow, &c->velocity));
+  else PetscCall(AmgDefaults(prefix[0], "0"));
+  PetscCall(PetscStrcmp(c->guard.mat_type, MATSAME, &c->saddle.repeats));
+  c->saddle.repeats = same && c->saddle.repeats ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,13 +128,13 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   c->guard.remedy      = "try a larger -coupled_ksp_max_it, or a smaller -dt";
   if (!lu)
     c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
-  if (split) PetscCall(BlockDefaults(flow));
   if (split) PetscCall(OptionGetRow(&options[0], NULL, &c->schur.row));
   PetscCall(TimeOptionsRefuse("coupled_", c->row->name));
   PetscCall(PetscOptionsHasName(NULL, "coupled_", "-ts_atol", &given));
   UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
                     "-coupled_ts_rtol, of |u| + U");
   PetscCall(SolverMatType("coupled_", c->guard.mat_type, sizeof(c->guard.mat_type)));
+  if (split) PetscCall(BlockDefaults(flow, c));
   if (split) PetscCall(SchurCreate(&c->schur));
   PetscCall(CoupledCreateTS(c));
   PetscCall(GuardAttach(c->guard.solve.ksp, NULL, &c->guard));
@@ -177,6 +165,7 @@ PetscErrorCode CoupledSolverFree(Coupled *c)
   PetscCall(SolverViewShow((PetscObject)c->ts, &c->guard.ts_view));
   PetscCall(CoupledFree(c));
   PetscCall(SchurFree(&c->schur));
+  PetscCall(VelocityBlockFree(&c->velocity));
   PetscCall(GuardDetach(&c->guard));
   PetscCall(TSDestroy(&c->ts));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -212,6 +201,7 @@ static PetscErrorCode RenewPC(Coupled *c)
     PetscCall(PCFieldSplitSetSchurPre(fresh, PC_FIELDSPLIT_SCHUR_PRE_USER, c->schur.mass));
     PetscCall(KSPSetOperators(c->guard.solve.ksp, c->saddle.A, c->saddle.P));
     PetscCall(PCSetUp(fresh));
+    PetscCall(VelocityBlockAttach(fresh, &c->saddle, &c->velocity));
     PetscCall(SchurAttach(fresh, &c->schur));
   } else {
     PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
@@ -250,12 +240,15 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
 {
   const Scene     *scene = c->flow->scene;
   const Particles *p     = c->flow->particles;
+  LinearSolve     *solve = &c->guard.solve;
+  const PetscBool  anew  = !c->velocity.flow || !SetUpHolds(&solve->setup, p, shift);
 
   PetscFunctionBegin;
   PetscCall(TSReset(c->ts));
   PetscCall(CoupledFree(c));
   PetscCall(SaddleAssemble(c->flow, advecting, c->guard.mat_type, &c->saddle));
-  if (c->schur.row) PetscCall(SchurAssemble(c->flow, &c->saddle, c->guard.mat_type, &c->schur));
+  if (c->schur.row)
+    PetscCall(SchurAssemble(c->flow, &c->saddle, c->guard.mat_type, anew, &c->schur));
   PetscCall(UnknownsVec(p, c->saddle.n_p, &c->x));
   PetscCall(VecDuplicate(c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
@@ -266,9 +259,9 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
     PetscCall(WallVelocityVec(p, &c->all_walls));
     PetscCall(VelocityVec(p, &c->boundary));
   }
-  c->shift     = NAN;
   c->b_t       = NAN;
   c->advecting = advecting;
+  if (anew) solve->setup.exists = PETSC_FALSE;
   PetscCall(CoupledSetShift(shift, c));
   PetscCall(RenewPC(c));
   PetscFunctionReturn(PETSC_SUCCESS);

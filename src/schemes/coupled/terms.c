@@ -174,17 +174,19 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner if its shift
-   differs by a factor of at most 1.5; collective */
+/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner as long as it holds,
+   see SetUpHolds(); collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
-  const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
+  LinearSolve    *solve = &c->guard.solve;
+  const PetscBool keep  = SetUpHolds(&solve->setup, c->flow->particles, shift);
 
   PetscFunctionBegin;
   PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
   if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
-  if (!keep) c->shift = shift;
-  PetscCall(KSPSetReusePreconditioner(c->guard.solve.ksp, keep));
+  if (!keep && c->velocity.flow) PetscCall(VelocityBlockSetUp(&c->saddle, &c->velocity));
+  if (!keep) SetUpRenew(c->flow->particles, shift, solve);
+  PetscCall(KSPSetReusePreconditioner(solve->ksp, keep));
   c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
   c->schur.inert   = shift * c->saddle.step;
   PetscFunctionReturn(PETSC_SUCCESS);

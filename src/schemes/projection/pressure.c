@@ -297,8 +297,7 @@ static PetscErrorCode PairsMat(Flow *flow, Pressure *s)
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) extra[i] = PetscMax(extra[i], 0.0);
   PetscCall(VecRestoreArray(sum, &extra));
   if (!flow->neighbors->row) PetscCall(NeighborsUpdate(flow->particles, 0.0, flow->neighbors));
-  PetscCall(PairLaplacian(flow->particles, flow->neighbors, one, NULL, sum,
-                          free ? free->kind : NULL, &s->preconditioner));
+  PetscCall(PairLaplacian(flow, one, NULL, sum, free ? free->kind : NULL, &s->preconditioner));
   PetscCall(
       MatConvert(s->preconditioner, s->guard.mat_type, MAT_INPLACE_MATRIX, &s->preconditioner));
   if (!SceneMoves(flow->scene) && !free) PetscCall(NeighborsRelease(flow->neighbors));

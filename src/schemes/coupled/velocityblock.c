@@ -1,0 +1,260 @@
+/*
+  The preconditioner of the velocity block F + G Z of saddle.c, by the regime of the step:
+
+    jacobi      the diagonal of F
+    factors     ILU(0) of the blocks of ranks
+    two_level   ILU(0), then a cycle of AMG of the pair-wise Laplacian of each component on the
+                residual: iterations that do not grow with the step
+
+  The factors are those of F plus the entries of G Z that lie in its pattern: without them they do
+  not hold beside free surfaces, and the other entries gain nothing. A block that repeats is a
+  single scalar matrix with one preconditioner for all components, and AMG of this matrix is the
+  whole second method.
+*/
+#include "coupled.h"
+
+#define FACTORS "coupled_velocity_"     /* prefix of the options of the factors */
+#define CYCLE   "coupled_velocity_amg_" /* and of the cycle */
+
+/* Creates a KSP that applies a preconditioner once, and is set up only when it is told to be. */
+static PetscErrorCode CreateOnce(const char prefix[], PCType type, KSP *ksp)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, ksp));
+  PetscCall(KSPSetOptionsPrefix(*ksp, prefix));
+  PetscCall(KSPSetType(*ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(*ksp, &pc));
+  PetscCall(PCSetType(pc, type));
+  PetscCall(KSPSetFromOptions(*ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityBlockCreate - Creates the preconditioner that the regime of the step chooses; collective
+   on PETSC_COMM_WORLD */
+PetscErrorCode VelocityBlockCreate(const Flow *flow, VelocityBlock *v)
+{
+  const Scene *scene = flow->scene;
+  PetscBool    jacobi, both;
+
+  PetscFunctionBegin;
+  scene->regime->number[NUMBER_STIFFNESS] =
+      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
+  v->flow = flow;
+  v->name = RegimeWord(scene->regime, REGIME_BLOCK_PC);
+  PetscCall(PetscStrcmp(v->name, "jacobi", &jacobi));
+  PetscCall(PetscStrcmp(v->name, "two_level", &both));
+  if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
+  if (!both || flow->ops->forms.components_coupled)
+    PetscCall(CreateOnce(FACTORS, jacobi ? PCJACOBI : PCBJACOBI, &v->factors));
+  if (!both) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AmgDefaults(CYCLE, "0"));
+  PetscCall(CreateOnce(CYCLE, PCHYPRE, &v->cycle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the sums of the rows of F - T_i shift for each component alone, in units of their
+   largest one: what walls add to the diagonal. */
+static PetscErrorCode WallDiagonal(const Flow *flow, const Saddle *s, Vec *diagonal)
+{
+  Vec          all, sums, part;
+  PetscScalar *most;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->time, diagonal));
+  PetscCall(VecZeroEntries(*diagonal));
+  PetscCall(VecDuplicate(s->time, &part));
+  PetscCall(MatCreateVecs(s->F, &all, &sums));
+  PetscCall(VecSetBlockSize(all, s->dim));
+  PetscCall(VecSetBlockSize(sums, s->dim));
+  for (PetscInt c = 0; c < s->dim; c++) {
+    PetscCall(VecZeroEntries(all));
+    PetscCall(VecSet(part, 1.0));
+    PetscCall(VecStrideScatter(part, c, all, INSERT_VALUES));
+    PetscCall(MatMult(s->F, all, sums));
+    PetscCall(VecStrideGather(sums, c, part, INSERT_VALUES));
+    PetscCall(VecAXPY(part, -s->step * s->shift, s->time));
+    PetscCall(VecPointwiseMax(*diagonal, *diagonal, part));
+  }
+  PetscCall(VecGetArray(*diagonal, &most));
+  for (PetscInt i = 0; i < s->n; i++)
+    if (FreeSurfaceHolds(flow->ops->free, i)) most[i] = 0.0;
+  PetscCall(VecRestoreArray(*diagonal, &most));
+  PetscCall(VecDestroy(&sums));
+  PetscCall(VecDestroy(&all));
+  PetscCall(VecDestroy(&part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the pair-wise matrix of T_i (shift - nu lap) of a component. */
+static PetscErrorCode CreatePairs(const Saddle *s, const Flow *flow, Mat *A)
+{
+  const Particles *p = flow->particles;
+  Vec              diagonal, row;
+
+  PetscFunctionBegin;
+  PetscCall(WallDiagonal(flow, s, &diagonal));
+  PetscCall(VecAXPY(diagonal, s->step * s->shift, s->time));
+  PetscCall(VecDuplicate(s->time, &row));
+  PetscCall(VecPointwiseDivide(row, s->time, s->length));
+  PetscCall(VecPointwiseDivide(row, row, s->length));
+  PetscCall(VecScale(row, s->step / PetscSqr(flow->scene->dx) * (p->nu ? 1.0 : flow->scene->nu)));
+  PetscCall(PairLaplacian(flow, row, p->nu, diagonal, NULL, A));
+  PetscCall(VecDestroy(&row));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets up the cycle of AMG. */
+static PetscErrorCode SetUpCycle(const Saddle *s, VelocityBlock *v)
+{
+  Mat A;
+
+  PetscFunctionBegin;
+  if (s->component) {
+    A = s->component;
+    PetscCall(PetscObjectReference((PetscObject)A));
+  } else {
+    PetscCall(CreatePairs(s, v->flow, &A));
+  }
+  PetscCall(KSPReset(v->cycle));
+  PetscCall(KSPSetOperators(v->cycle, A, A));
+  PetscCall(KSPSetUp(v->cycle));
+  PetscCall(MatDestroy(&A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the matrix of the factors: that of each component, or F with entries of G Z. */
+static PetscErrorCode FactorMatrix(const Saddle *s, PetscBool factors, Mat *F)
+{
+  PetscFunctionBegin;
+  if (!s->component && s->Z && factors) {
+    PetscCall(MatDuplicate(s->F, MAT_COPY_VALUES, F));
+    PetscCall(SparseAddProduct(s->G, s->Z, *F));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *F = s->component ? s->component : s->F;
+  PetscCall(PetscObjectReference((PetscObject)*F));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets up the factors. */
+static PetscErrorCode SetUpFactors(const Saddle *s, VelocityBlock *v)
+{
+  PetscBool jacobi;
+  PC        pc;
+  Mat       F;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(v->factors, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCJACOBI, &jacobi));
+  PetscCall(FactorMatrix(s, jacobi ? PETSC_FALSE : PETSC_TRUE, &F));
+  PetscCall(KSPReset(v->factors));
+  PetscCall(KSPSetOperators(v->factors, F, F));
+  PetscCall(KSPSetUp(v->factors));
+  PetscCall(KSPSetUpOnBlocks(v->factors));
+  PetscCall(MatDestroy(&F));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityBlockSetUp - Sets the preconditioner up for the present blocks; collective */
+PetscErrorCode VelocityBlockSetUp(const Saddle *s, VelocityBlock *v)
+{
+  PetscFunctionBegin;
+  if (v->factors) PetscCall(SetUpFactors(s, v));
+  if (v->cycle) PetscCall(SetUpCycle(s, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Applies the KSP of scalar systems to each component of x, and adds the result to y. */
+static PetscErrorCode ApplyToComponents(KSP ksp, const Saddle *s, Vec x, Vec y)
+{
+  Vec from, to;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->time, &from));
+  PetscCall(VecDuplicate(s->time, &to));
+  PetscCall(VecSetBlockSize(x, s->dim));
+  PetscCall(VecSetBlockSize(y, s->dim));
+  for (PetscInt c = 0; c < s->dim; c++) {
+    PetscCall(VecStrideGather(x, c, from, INSERT_VALUES));
+    PetscCall(KSPSolve(ksp, from, to));
+    PetscCall(VecStrideScatter(to, c, y, ADD_VALUES));
+  }
+  PetscCall(VecDestroy(&to));
+  PetscCall(VecDestroy(&from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes r = x - (F + G Z) y. */
+static PetscErrorCode Residual(const Saddle *s, Vec x, Vec y, Vec r)
+{
+  Vec q;
+
+  PetscFunctionBegin;
+  PetscCall(MatMult(s->F, y, r));
+  if (s->Z) {
+    PetscCall(MatCreateVecs(s->Z, NULL, &q));
+    PetscCall(MatMult(s->Z, y, q));
+    PetscCall(MatMultAdd(s->G, q, r, r));
+    PetscCall(VecDestroy(&q));
+  }
+  PetscCall(VecAYPX(r, -1.0, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Velocity_Apply(PC pc, Vec x, Vec y)
+{
+  VelocityBlock *v;
+  const Saddle  *s;
+  Vec            r;
+
+  PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &v));
+  s = v->saddle;
+  if (s->component) {
+    PetscCall(VecZeroEntries(y));
+    PetscCall(ApplyToComponents(v->factors ? v->factors : v->cycle, s, x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(KSPSolve(v->factors, x, y));
+  if (!v->cycle) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(x, &r));
+  PetscCall(Residual(s, x, y, r));
+  PetscCall(ApplyToComponents(v->cycle, s, r, y));
+  PetscCall(VecDestroy(&r));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityBlockAttach - Sets the preconditioner as the shell of the velocity block, unless the user
+   has chosen another one; collective. Output: attached. */
+PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *s, VelocityBlock *v)
+{
+  KSP      *sub;
+  PetscInt  n;
+  PetscBool shell;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(PCFieldSplitGetSubKSP(fieldsplit, &n, &sub));
+  PetscCall(KSPGetPC(sub[0], &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, &shell));
+  v->saddle = s;
+  if (shell) {
+    PetscCall(PCShellSetContext(pc, v));
+    PetscCall(PCShellSetApply(pc, Velocity_Apply));
+    PetscCall(PCShellSetName(pc, v->name));
+  }
+  PetscCall(PetscFree(sub));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityBlockFree - Frees the solvers; collective */
+PetscErrorCode VelocityBlockFree(VelocityBlock *v)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPDestroy(&v->factors));
+  PetscCall(KSPDestroy(&v->cycle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
