@@ -30,12 +30,11 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   PetscCall(MatShellGetContext(A, &factors));
   s = factors->splines;
   p = factors->particles;
+  PetscCall(SplinesGradient(s, x, s->fits.value));
   if (s->cut[0]) {
-    PetscCall(MatMult(s->cut[0], x, s->cut_gradient));
     PetscCall(MatMult(s->cut[1], s->cut_gradient, y));
     PetscCall(VecScale(y, -PetscSqr(s->scale)));
   } else {
-    PetscCall(SplinesGradient(s, x, s->fits.value));
     PetscCall(PetscArrayzero(s->fits.value + p->dim * p->n_fluid, p->dim * p->n_wall));
     PetscCall(SplinesIntegrate(p, s, y));
     PetscCall(VecScale(y, s->scale));
@@ -159,19 +158,6 @@ static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the rows of splines that are no unknowns to zero. */
-static PetscErrorCode EmptyRows(const Splines *s, Mat A)
-{
-  PetscInt *row;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->n_unused, &row));
-  for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
-  PetscCall(MatZeroRows(A, s->n_unused, row, 0.0, NULL, NULL));
-  PetscCall(PetscFree(row));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SplinesBlocks - Creates the matrices of gradient and divergence for the present particles, with
   interlaced components of the velocity
@@ -192,7 +178,7 @@ PetscErrorCode SplinesBlocks(const Particles *p, const Splines *s, Mat *G, Mat *
   PetscCall(GradientMat(s, p, G));
   PetscCall(IntegralMat(s, p, NULL, D));
   PetscCall(MatScale(*D, -1.0 / s->scale));
-  if (s->extension) PetscCall(EmptyRows(s, *D));
+  if (s->extension) PetscCall(SplineClear(s, PETSC_FALSE, 0.0, *D));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -394,24 +380,11 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
    each fluid, from the velocity u of the viscous solve; collective */
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s)
 {
-  Vec all, walls;
-
   PetscFunctionBegin;
-  if (!s->n_jumps) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VelocityVec(flow->particles, &all));
-  for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
-  for (PetscInt f = 0; f < s->n_jumps; f++) PetscCall(MatMult(s->jump[f][0], all, s->jumps[f]));
-  PetscCall(VecDestroy(&all));
-  if (s->jump[0][1]) {
-    PetscCall(WallVelocityVec(flow->particles, &walls));
-    for (PetscInt a = 0; a < s->lattice.dim; a++)
-      PetscCall(VecStrideScatter(flow->walls.u[a], a, walls, INSERT_VALUES));
-    for (PetscInt f = 0; f < s->n_jumps; f++)
-      PetscCall(MatMultAdd(s->jump[f][1], walls, s->jumps[f], s->jumps[f]));
-    PetscCall(VecDestroy(&walls));
+  for (PetscInt f = 0; f < s->n_jumps; f++) {
+    PetscCall(SplinesOfVelocity(flow, s->jump[f], u, s->jumps[f]));
+    PetscCall(VecScale(s->jumps[f], -flow->scene->rho));
   }
-  for (PetscInt f = 0; f < s->n_jumps; f++) PetscCall(VecScale(s->jumps[f], -flow->scene->rho));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -477,7 +450,7 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
     PetscCall(MatScale(s->A, s->scale));
   }
   if (!s->extension) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(EmptyRows(s, s->A));
+  PetscCall(SplineClear(s, PETSC_FALSE, 0.0, s->A));
   PetscCall(MatSetOption(s->A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   for (PetscInt k = 0; k < s->n_unused; k++) {
     const PetscInt row = s->own.start + s->unused[k];

@@ -83,6 +83,42 @@ PetscErrorCode SplineMatFinish(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplineClear - Sets the rows of splines that are no unknowns to a diagonal, and their columns to
+   zero if asked, so that a symmetric matrix stays so; collective */
+PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A)
+{
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->n_unused, &row));
+  for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
+  if (columns) PetscCall(MatZeroRowsColumns(A, s->n_unused, row, diagonal, NULL, NULL));
+  else PetscCall(MatZeroRows(A, s->n_unused, row, diagonal, NULL, NULL));
+  PetscCall(PetscFree(row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesOfVelocity - Computes d = D[0] u + D[1] u_w of a velocity over fluid and walls; D[1] NULL:
+   walls take no part; collective */
+PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d)
+{
+  const Particles *p = flow->particles;
+  Vec              all;
+
+  PetscFunctionBegin;
+  PetscCall(VelocityVec(p, &all));
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
+  PetscCall(MatMult(D[0], all, d));
+  PetscCall(VecDestroy(&all));
+  if (!D[1]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WallVelocityVec(p, &all));
+  for (PetscInt a = 0; a < p->dim; a++)
+    PetscCall(VecStrideScatter(flow->walls.u[a], a, all, INSERT_VALUES));
+  PetscCall(MatMultAdd(D[1], all, d, d));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Assembles S from the points on the boundary. */
 static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
 {

@@ -348,6 +348,7 @@ PetscInt  SplineSupport(const Splines *s, const PetscInt index[], PetscInt first
 PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
                           PetscInt k, PetscInt cell[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
+PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A);
 PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
@@ -358,6 +359,7 @@ PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *
 PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
 PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
+PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splineinverse.c */

@@ -108,26 +108,6 @@ static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the divergence of a velocity by the matrices of strain cells. */
-static PetscErrorCode CutDivergence(const Flow *flow, const Splines *s, const Vec u[], Vec d)
-{
-  Vec all, walls;
-
-  PetscFunctionBegin;
-  PetscCall(VelocityVec(flow->particles, &all));
-  for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(VecStrideScatter(u[a], a, all, INSERT_VALUES));
-  PetscCall(MatMult(s->cut[1], all, d));
-  PetscCall(VecDestroy(&all));
-  if (!s->cut[2]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WallVelocityVec(flow->particles, &walls));
-  for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(VecStrideScatter(flow->walls.u[a], a, walls, INSERT_VALUES));
-  PetscCall(MatMultAdd(s->cut[2], walls, d, d));
-  PetscCall(VecDestroy(&walls));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SplinesDivergence - Computes the divergence of a velocity at time t
 
@@ -143,7 +123,7 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
 
   PetscFunctionBegin;
   if (s->cut[0]) {
-    PetscCall(CutDivergence(flow, s, u, d));
+    PetscCall(SplinesOfVelocity(flow, &s->cut[1], u, d));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt a = 0; a < s->lattice.dim; a++)

@@ -230,20 +230,6 @@ static PetscErrorCode SetAbsoluteMass(Splines *s, Mat M)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Removes the numbers that sides give from the equations of the others: K and M stay symmetric. */
-static PetscErrorCode DropGiven(Splines *s, Mat M)
-{
-  PetscInt *row;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->n_unused, &row));
-  for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
-  PetscCall(MatZeroRowsColumns(s->K, s->n_unused, row, 1.0, NULL, NULL));
-  if (M) PetscCall(MatZeroRowsColumns(M, s->n_unused, row, 1.0, NULL, NULL));
-  PetscCall(PetscFree(row));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplineStiffness - Assembles the stiffness K and the mass; collective. Each rank computes its rows
    from all cells in the supports of its splines, so that sums have the same order in every run. */
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
@@ -281,7 +267,10 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   PetscCall(SplineMatFinish(s->K));
   if (M) PetscCall(SplineMatFinish(M));
   if (s->bodies) PetscCall(SetAbsoluteMass(s, M));
-  if (SplineSideGives(&s->lattice)) PetscCall(DropGiven(s, M));
+  if (SplineSideGives(&s->lattice)) { /* the equations of others lose the numbers of the side */
+    PetscCall(SplineClear(s, PETSC_TRUE, 1.0, s->K));
+    if (M) PetscCall(SplineClear(s, PETSC_TRUE, 1.0, M));
+  }
   if (s->has_products) s->M = M;
   else PetscCall(MatDestroy(&M));
   PetscCall(VecAssemblyBegin(s->mass));

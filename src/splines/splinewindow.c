@@ -276,33 +276,32 @@ PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesGradient - Computes sum_q p_q grad psi_q at each own fluid particle [1/m]: component a at
-   particle i at [i dim + a]; collective */
+/* SplinesGradient - Computes sum_q p_q grad psi_q at each own fluid particle [1/m], beside
+   interfaces the adjoint of the divergence: component a at particle i at [i dim + a]; collective */
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[])
 {
+  const PetscScalar *g;
+
   PetscFunctionBegin;
-  PetscCall(Evaluate(s, p, NULL, gradient));
+  if (!s->cut[0]) {
+    PetscCall(Evaluate(s, p, NULL, gradient));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatMult(s->cut[0], p, s->cut_gradient));
+  PetscCall(VecGetArrayRead(s->cut_gradient, &g));
+  PetscCall(PetscArraycpy(gradient, g, s->lattice.dim * s->at.n));
+  PetscCall(VecRestoreArrayRead(s->cut_gradient, &g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesAccelerate - Adds factor times sum_q p_q grad psi_q to the components of a vector field
-   over fluid; collective. The fits' work array holds the gradient. */
+/* SplinesAccelerate - Adds factor times SplinesGradient() to the components of a vector field over
+   fluid; collective. The fits' work array holds the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
   PetscScalar *v;
-  Vec          all;
 
   PetscFunctionBegin;
-  if (s->cut[0]) {
-    const PetscScalar *g;
-
-    PetscCall(MatCreateVecs(s->cut[0], NULL, &all));
-    PetscCall(MatMult(s->cut[0], p, all));
-    PetscCall(VecGetArrayRead(all, &g));
-    PetscCall(PetscArraycpy(s->fits.value, g, s->lattice.dim * s->at.n));
-    PetscCall(VecRestoreArrayRead(all, &g));
-    PetscCall(VecDestroy(&all));
-  } else PetscCall(Evaluate(s, p, NULL, s->fits.value));
+  PetscCall(SplinesGradient(s, p, s->fits.value));
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(VecGetArray(u[a], &v));
     for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[s->lattice.dim * i + a];
