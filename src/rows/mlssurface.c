@@ -56,7 +56,7 @@ static ISPH_INLINE void AddCondition(PetscInt dim, PetscInt degree, PetscInt wid
 
   BasisGradient(dim, degree, s, slope);
   for (PetscInt m = 0; m < tangents; m++) {
-    PetscReal row[SURFACE_TERMS];
+    PetscReal row[SURFACE_WIDTH] = {0.0};
 
     for (PetscInt t = 0; t < terms; t++) {
       PetscReal along = 0.0, across = 0.0;
@@ -68,7 +68,8 @@ static ISPH_INLINE void AddCondition(PetscInt dim, PetscInt degree, PetscInt wid
       for (PetscInt a = 0; a < dim; a++) row[a * terms + t] = tangent[m][a] * along + n[a] * across;
     }
     for (PetscInt p = 0; p < dim * terms; p++) {
-      for (PetscInt q = p; q < dim * terms; q++) system[p * width + q] += weight * row[p] * row[q];
+      for (PetscInt q = p / 4 * 4; q < dim * terms; q += 4)
+        for (PetscInt l = q; l < q + 4; l++) system[p * width + l] += weight * row[p] * row[l];
     }
   }
 }
