@@ -65,7 +65,6 @@ PetscErrorCode KspViewsEnd(KspViews *views);
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode AmgDiagonal(Mat A);
-PetscErrorCode AmgSmoothByFactors(const char prefix[]);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);
 PetscErrorCode SolverSetUpGamg(KSP ksp);

@@ -156,7 +156,7 @@ static PetscErrorCode OwnRowsGet(Mat A, PetscBool back, OwnRows *own)
   PetscBool parallel;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
+  PetscCall(PetscObjectBaseTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
   own->blocks = parallel ? 2 : 1;
   own->mat[0] = A;
   if (parallel) PetscCall(MatMPIAIJGetSeqAIJ(A, &own->mat[0], &own->mat[1], &own->others));
@@ -268,8 +268,8 @@ static PetscBool HasProducts(const OwnRows *x, const SparseRows *y, PetscInt i)
 /*
   SparseAddProduct - Adds to a matrix those entries of the product X Y that are in its pattern
 
-  Collective. For preconditioners: the product itself has many more entries. X, Y and sum are of
-  type MATAIJ; rows of Y without entries cost nothing.
+  Collective. For preconditioners: the product itself has many more entries. The sum is of type
+  MATAIJ, X and Y also of derived types; rows of Y without entries cost nothing.
 */
 PetscErrorCode SparseAddProduct(Mat X, Mat Y, Mat sum)
 {

@@ -109,26 +109,6 @@ PetscErrorCode AmgDiagonal(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AmgSmoothByFactors - Smooths the finest level of BoomerAMG by incomplete factors (Euclid),
-  unless options say otherwise
-
-  Collective on PETSC_COMM_WORLD. Notes: for rows that sweeps do not smooth, such as the stress-free
-  rows of a free surface; docs/theory.md, section 9, has iterations. In 3D the factors cost four
-  times as much as they save.
-*/
-PetscErrorCode AmgSmoothByFactors(const char prefix[])
-{
-  PetscBool amg;
-
-  PetscFunctionBegin;
-  PetscCall(IsBoomerAmg(prefix, &amg));
-  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_smooth_type", "Euclid"));
-  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_smooth_num_levels", "1"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets limits of PETSc's AMG by which its coarse levels are on fewer ranks, unless they are given:
    they send a third less messages. */
 static PetscErrorCode GamgDefaults(const char prefix[])

@@ -32,34 +32,42 @@ PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The context of the product A. */
+/* The context of the product A. Its vectors take the parts of others, which lie one behind the
+   other on each rank: sub-vectors would be made anew in each product, by several reductions. */
 typedef struct {
   Mat P, Z;
-  IS  rows[2]; /* of velocities and pressures */
-  Vec q;       /* q' + Z u */
+  Vec from, stress; /* velocities; q' + Z u */
+  Vec to[2], part;  /* rows of momentum and of mass; q' */
 } Product;
 
 /* Computes y = [F G; D C] (u, q' + Z u) for x = (u, q'). */
 static PetscErrorCode Product_Mult(Mat A, Vec x, Vec y)
 {
-  Product *a;
-  Mat    **block;
-  Vec      u, q, part;
+  Product           *a;
+  Mat              **block;
+  const PetscScalar *in;
+  PetscScalar       *out;
+  PetscInt           n;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, (void *)&a));
   PetscCall(MatNestGetSubMats(a->P, NULL, NULL, &block));
-  PetscCall(VecGetSubVector(x, a->rows[0], &u));
-  PetscCall(VecGetSubVector(x, a->rows[1], &q));
-  PetscCall(MatMultAdd(a->Z, u, q, a->q));
-  PetscCall(VecRestoreSubVector(x, a->rows[1], &q));
+  PetscCall(VecGetLocalSize(a->from, &n));
+  PetscCall(VecGetArrayRead(x, &in));
+  PetscCall(VecGetArrayWrite(y, &out));
+  PetscCall(VecPlaceArray(a->from, in));
+  PetscCall(VecPlaceArray(a->part, in + n));
+  PetscCall(MatMultAdd(a->Z, a->from, a->part, a->stress));
   for (PetscInt k = 0; k < 2; k++) {
-    PetscCall(VecGetSubVector(y, a->rows[k], &part));
-    PetscCall(MatMult(block[k][0], u, part));
-    PetscCall(MatMultAdd(block[k][1], a->q, part, part));
-    PetscCall(VecRestoreSubVector(y, a->rows[k], &part));
+    PetscCall(VecPlaceArray(a->to[k], k ? out + n : out));
+    PetscCall(MatMult(block[k][0], a->from, a->to[k]));
+    PetscCall(MatMultAdd(block[k][1], a->stress, a->to[k], a->to[k]));
+    PetscCall(VecResetArray(a->to[k]));
   }
-  PetscCall(VecRestoreSubVector(x, a->rows[0], &u));
+  PetscCall(VecResetArray(a->part));
+  PetscCall(VecResetArray(a->from));
+  PetscCall(VecRestoreArrayWrite(y, &out));
+  PetscCall(VecRestoreArrayRead(x, &in));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,7 +77,10 @@ static PetscErrorCode Product_Destroy(Mat A)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, (void *)&a));
-  PetscCall(VecDestroy(&a->q));
+  PetscCall(VecDestroy(&a->from));
+  PetscCall(VecDestroy(&a->stress));
+  PetscCall(VecDestroy(&a->part));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&a->to[k]));
   PetscCall(PetscFree(a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -78,18 +89,22 @@ static PetscErrorCode Product_Destroy(Mat A)
    SaddleMultiplyOut(); collective */
 PetscErrorCode SaddleCreateProduct(Saddle *s)
 {
-  PetscInt n, N;
-  Product *a;
+  const MPI_Comm comm = PetscObjectComm((PetscObject)s->P);
+  PetscInt       n, N;
+  Product       *a;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&a));
   a->P = s->P;
   a->Z = s->Z;
-  PetscCall(MatNestGetISs(s->P, a->rows, NULL));
-  PetscCall(MatCreateVecs(s->Z, NULL, &a->q));
+  PetscCall(MatCreateVecs(s->Z, NULL, &a->stress));
+  PetscCall(VecCreateMPIWithArray(comm, s->dim, s->dim * s->n, PETSC_DETERMINE, NULL, &a->from));
+  PetscCall(VecCreateMPIWithArray(comm, 1, s->n_p, PETSC_DETERMINE, NULL, &a->part));
+  PetscCall(VecDuplicate(a->from, &a->to[0]));
+  PetscCall(VecDuplicate(a->part, &a->to[1]));
   PetscCall(MatGetLocalSize(s->P, &n, NULL));
   PetscCall(MatGetSize(s->P, &N, NULL));
-  PetscCall(MatCreateShell(PetscObjectComm((PetscObject)s->P), n, n, N, N, a, &s->A));
+  PetscCall(MatCreateShell(comm, n, n, N, N, a, &s->A));
   PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))Product_Mult));
   PetscCall(MatShellSetOperation(s->A, MATOP_DESTROY, (void (*)(void))Product_Destroy));
   PetscCall(PetscObjectCompose((PetscObject)s->P, KEY_Z, (PetscObject)s->Z));

@@ -130,7 +130,7 @@ static PetscErrorCode FactorMatrix(const Saddle *s, PetscBool factors, Mat *F)
 {
   PetscFunctionBegin;
   if (!s->component && s->Z && factors) {
-    PetscCall(MatDuplicate(s->F, MAT_COPY_VALUES, F));
+    PetscCall(MatConvert(s->F, MATAIJ, MAT_INITIAL_MATRIX, F));
     PetscCall(SparseAddProduct(s->G, s->Z, *F));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
