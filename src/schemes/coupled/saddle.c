@@ -124,9 +124,9 @@ static PetscErrorCode AddTerm(Mat term, Mat *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all interlaced velocity components;
-   v: `advecting`, if given. Terms that are the same for each component are summed up before they
-   are interlaced, and F is a MATMAIJ if it has no others. */
+/* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components; v:
+   `advecting`, if given. Terms that are the same for each component are summed up before they are
+   interlaced, and F is a MATMAIJ if it has no others. */
 static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], MatType type,
                                      Saddle *s)
 {

@@ -174,8 +174,8 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner as long as it holds,
-   see SetUpHolds(); collective */
+/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner as long as it
+   holds, see SetUpHolds(); collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   LinearSolve    *solve = &c->guard.solve;
