@@ -305,5 +305,5 @@ const SchemeRow SchemeCoupled = {
     .Destroy  = CoupledDestroy,
     .stages   = stages,
     .judges   = judges,
-    .memory   = {{6.9, 6.9, 7.0, 15.2}, {23.0, 23.0, 25.6, 170.0}},
+    .memory   = {{5.5, 5.5, 5.7, 15.9}, {16.0, 16.0, 20.3, 108.0}},
 };

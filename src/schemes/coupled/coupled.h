@@ -70,7 +70,7 @@ typedef struct {
   KSP           cycle;   /* of AMG for a component; NULL: none */
 } VelocityBlock;
 
-PetscErrorCode VelocityBlockCreate(const Flow *flow, VelocityBlock *block);
+PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *block);
 PetscErrorCode VelocityBlockSetUp(const Saddle *saddle, VelocityBlock *block);
 PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *saddle, VelocityBlock *block);
 PetscErrorCode VelocityBlockFree(VelocityBlock *block);

@@ -147,7 +147,7 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
     PetscCall(AddTerm(term, &scalar));
   }
   if (scalar) PetscCall(MatCreateMAIJ(scalar, scene->dim, &term));
-  if (scalar && !couples && s->repeats) {
+  if (scalar && s->repeats) {
     s->component = scalar;
     s->F         = term;
   } else if (scalar) {

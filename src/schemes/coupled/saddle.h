@@ -22,7 +22,7 @@ typedef struct {
                            equation of the pressure there [-] */
   Vec       pressure;    /* unit of each pressure over `unit` [-] */
   Vec       constant;    /* numbers of splines that make the pressure 1; NULL: all are 1 [-] */
-  PetscBool repeats;     /* F may be MATMAIJ; chosen before the assembly */
+  PetscBool repeats;     /* F is a MATMAIJ; chosen before the assembly */
   PetscReal shift;       /* shift in F; NaN: F is out of date [1/s] */
   Vec       diagonal;    /* of F, or of `component`, for shift 0 [-] */
   Mat       component;   /* the block of each component in F, a MATMAIJ; NULL: F is no such [-] */

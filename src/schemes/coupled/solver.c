@@ -37,10 +37,10 @@ static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
   }
   PetscCall(PetscOptionsGetString(NULL, prefix[0], "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCSHELL, &same));
-  if (same) PetscCall(VelocityBlockCreate(flow, &c->velocity));
-  else PetscCall(AmgDefaults(prefix[0], "0"));
   PetscCall(PetscStrcmp(c->guard.mat_type, MATSAME, &c->saddle.repeats));
-  c->saddle.repeats = same && c->saddle.repeats ? PETSC_TRUE : PETSC_FALSE;
+  c->saddle.repeats = same && c->saddle.repeats && !flow->ops->forms.components_coupled;
+  if (same) PetscCall(VelocityBlockCreate(flow, c->saddle.repeats, &c->velocity));
+  else PetscCall(AmgDefaults(prefix[0], "0"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

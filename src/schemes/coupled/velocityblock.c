@@ -32,8 +32,8 @@ static PetscErrorCode CreateOnce(const char prefix[], PCType type, KSP *ksp)
 }
 
 /* VelocityBlockCreate - Creates the preconditioner that the regime of the step chooses; collective
-   on PETSC_COMM_WORLD */
-PetscErrorCode VelocityBlockCreate(const Flow *flow, VelocityBlock *v)
+   on PETSC_COMM_WORLD. Input: repeats - the block is that of a component for all of them. */
+PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *v)
 {
   const Scene *scene = flow->scene;
   PetscBool    jacobi, both;
@@ -46,8 +46,7 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, VelocityBlock *v)
   PetscCall(PetscStrcmp(v->name, "jacobi", &jacobi));
   PetscCall(PetscStrcmp(v->name, "two_level", &both));
   if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
-  if (!both || flow->ops->forms.components_coupled)
-    PetscCall(CreateOnce(FACTORS, jacobi ? PCJACOBI : PCBJACOBI, &v->factors));
+  if (!both || !repeats) PetscCall(CreateOnce(FACTORS, jacobi ? PCJACOBI : PCBJACOBI, &v->factors));
   if (!both) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AmgDefaults(CYCLE, "0"));
   PetscCall(CreateOnce(CYCLE, PCHYPRE, &v->cycle));
