@@ -231,9 +231,9 @@ typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
 /* The set-up of a preconditioner, see src/solvers/setup.c. */
 typedef struct {
   PetscBool exists;
-  PetscInt  epoch;       /* of the particles */
+  PetscInt  numbering;   /* stamp of the unknowns */
   PetscInt  first, last; /* iterations of the first and of the last solve with it */
-  PetscReal shift;       /* of its matrix [1/s] */
+  PetscReal shift;       /* of its matrix */
 } SetUp;
 
 /* A linear solve of a scheme, for banner, report, progress and checkpoints. */

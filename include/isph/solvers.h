@@ -72,13 +72,14 @@ PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
 /* setup.c */
-PetscBool SetUpHolds(const SetUp *setup, const Particles *particles, PetscReal shift);
-void      SetUpRenew(const Particles *particles, PetscReal shift, LinearSolve *solve);
+PetscBool SetUpHolds(const SetUp *setup, PetscInt numbering, PetscReal shift);
+void      SetUpRenew(PetscInt numbering, PetscReal shift, LinearSolve *solve);
 void      SetUpCount(PetscInt iterations, SetUp *setup);
 
 /* pairlaplacian.c */
 PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
                              const PetscReal given[], Mat *A);
+PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A);
 
 /* timestep.c */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);

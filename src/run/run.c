@@ -298,7 +298,7 @@ static PetscErrorCode RunReportChoices(Run *run)
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
     char name[32];
 
-    if (scheme->solve[k]->setups) {
+    if (scheme->solve[k]->setups > 1) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "%ssetups", scheme->solve[k]->prefix));
       PetscCall(ReportAdd(run->report, name, scheme->solve[k]->setups));
     }

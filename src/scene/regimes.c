@@ -204,9 +204,9 @@ static const RegimeRow viscous_rtols[] = {
 
 static const RegimeRow block_pcs[] = {
     {FACT_SURFACE, 0, UPTO(0.2), "jacobi", "few iterations, and no set-up"},
-    {FACT_SURFACE, 0, RANGE(0.2, 10.0), "factors",
+    {FACT_SURFACE, 0, RANGE(0.2, 30.0), "factors",
      "iterations of Jacobi grow with the number of particles"},
-    {FACT_SURFACE, 0, ABOVE(10.0), "two_level", "iterations that do not grow with the step"},
+    {FACT_SURFACE, 0, ABOVE(30.0), "two_level", "iterations that do not grow with the step"},
     {0, FACT_SURFACE, UPTO(2.0), "factors", "few iterations"},
     {0, FACT_SURFACE, ABOVE(2.0), "two_level", "iterations that do not grow with the step"},
 };

@@ -130,3 +130,30 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
   PetscCall(SparseRowsMat(p->comm, &to, p->n_fluid, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+  PairPoisson - Creates the pair-wise matrix of -dx_i^2 lap p for the pressure on particles
+
+  Collective. Rows of free surfaces are those of the identity. The diagonal has the sums of rows of
+  the operator, which are not 0 where walls have a pressure. Input: type - for MatConvert().
+*/
+PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A)
+{
+  const FreeSurface *free = flow->ops->free;
+  Vec                one, sums;
+  PetscScalar       *sum;
+
+  PetscFunctionBegin;
+  PetscCall(FluidVec(flow->particles, NULL, &one));
+  PetscCall(FluidVec(flow->particles, NULL, &sums));
+  PetscCall(VecSet(one, 1.0));
+  PetscCall(AffineApply(&flow->ops->ppe, one, NULL, sums));
+  PetscCall(VecGetArray(sums, &sum));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) sum[i] = PetscMax(sum[i], 0.0);
+  PetscCall(VecRestoreArray(sums, &sum));
+  PetscCall(PairLaplacian(flow, one, NULL, sums, free ? free->kind : NULL, A));
+  PetscCall(MatConvert(*A, type, MAT_INPLACE_MATRIX, A));
+  PetscCall(VecDestroy(&sums));
+  PetscCall(VecDestroy(&one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,27 +1,27 @@
 /*
-  The life of the set-up of a preconditioner, by one rule for all solvers: it lasts for an epoch of
-  the particles, in which they move by less than a spacing, until the shift of the matrix has
-  changed, or solves take more iterations than the first one with it.
+  The life of the set-up of a preconditioner, by one rule for all solvers: it lasts until the
+  unknowns are numbered anew, until the shift of the matrix has changed, or until a solve takes half
+  as many iterations again as the first one with it. Particles move by less than a spacing with one
+  numbering.
 */
 #include "isph/solvers.h"
 
 #define SHIFT_CHANGE 1.5 /* largest ratio of shifts with one set-up */
-#define MORE_SOLVES  1.4 /* largest number of iterations, in units of those of the first solve, */
-#define MORE_AT_MOST 2   /* plus this */
+#define FEW          2   /* more iterations that are no reason for a set-up */
 
-/* SetUpHolds - Returns true if the set-up serves for a matrix of the present epoch with a shift;
-   not collective, the same on all ranks. Input: shift - [1/s], 0 in steady flows. */
-PetscBool SetUpHolds(const SetUp *s, const Particles *p, PetscReal shift)
+/* SetUpHolds - Returns true if the set-up serves for a matrix with a numbering and a shift; not
+   collective, the same on all ranks. Input: numbering - stamp; shift - any unit, 0 if steady. */
+PetscBool SetUpHolds(const SetUp *s, PetscInt numbering, PetscReal shift)
 {
-  if (!s->exists || s->epoch != p->epoch) return PETSC_FALSE;
+  if (!s->exists || s->numbering != numbering) return PETSC_FALSE;
   if (shift > SHIFT_CHANGE * s->shift || s->shift > SHIFT_CHANGE * shift) return PETSC_FALSE;
-  return s->last <= MORE_SOLVES * s->first + MORE_AT_MOST ? PETSC_TRUE : PETSC_FALSE;
+  return s->last <= s->first + s->first / 2 + FEW;
 }
 
 /* SetUpRenew - Notes that the preconditioner is set up anew; not collective */
-void SetUpRenew(const Particles *p, PetscReal shift, LinearSolve *solve)
+void SetUpRenew(PetscInt numbering, PetscReal shift, LinearSolve *solve)
 {
-  solve->setup = (SetUp){.exists = PETSC_TRUE, .epoch = p->epoch, .shift = shift};
+  solve->setup = (SetUp){.exists = PETSC_TRUE, .numbering = numbering, .shift = shift};
   solve->setups++;
 }
 

@@ -223,35 +223,15 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets up the solver of the Poisson equation of particles, by the pair-wise Laplacian: it needs
-   nothing of the operators but what boundaries with given pressures add to the diagonal. */
+/* Sets up the solver of the Poisson equation of particles, by the pair-wise Laplacian. */
 static PetscErrorCode SetUpPoisson(const Flow *flow, MatType type, Schur *s)
 {
-  const Particles *p    = flow->particles;
-  PetscReal       *zero = NULL;
-  Vec              one, sums;
-
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(s->work, &one));
-  PetscCall(VecDuplicate(s->work, &sums));
-  PetscCall(VecSet(one, 1.0));
-  PetscCall(MatMult(flow->ops->ppe.A, one, sums));
-  PetscCall(VecZeroEntries(s->work));
-  PetscCall(VecPointwiseMax(sums, sums, s->work));
-  if (s->free) {
-    PetscCall(PetscCalloc1(ParticlesOwn(p) + p->n_halo_fluid + p->n_halo_wall, &zero));
-    for (PetscInt i = 0; i < p->n_fluid; i++) zero[i] = FreeSurfaceHolds(s->free, i) ? 1.0 : 0.0;
-    PetscCall(ParticlesHaloField(p, zero));
-  }
   PetscCall(MatDestroy(&s->poisson));
-  PetscCall(PairLaplacian(flow, one, NULL, sums, zero, &s->poisson));
-  PetscCall(MatConvert(s->poisson, type, MAT_INPLACE_MATRIX, &s->poisson));
+  PetscCall(PairPoisson(flow, type, &s->poisson));
   PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
-  PetscCall(PetscFree(zero));
-  PetscCall(VecDestroy(&sums));
-  PetscCall(VecDestroy(&one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

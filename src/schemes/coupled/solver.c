@@ -241,7 +241,7 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   const Scene     *scene = c->flow->scene;
   const Particles *p     = c->flow->particles;
   LinearSolve     *solve = &c->guard.solve;
-  const PetscBool  anew  = !c->velocity.flow || !SetUpHolds(&solve->setup, p, shift);
+  const PetscBool  anew  = !c->velocity.flow || !SetUpHolds(&solve->setup, p->epoch, shift);
 
   PetscFunctionBegin;
   PetscCall(TSReset(c->ts));

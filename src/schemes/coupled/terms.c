@@ -179,13 +179,13 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   LinearSolve    *solve = &c->guard.solve;
-  const PetscBool keep  = SetUpHolds(&solve->setup, c->flow->particles, shift);
+  const PetscBool keep  = SetUpHolds(&solve->setup, c->flow->particles->epoch, shift);
 
   PetscFunctionBegin;
   PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
   if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
   if (!keep && c->velocity.flow) PetscCall(VelocityBlockSetUp(&c->saddle, &c->velocity));
-  if (!keep) SetUpRenew(c->flow->particles, shift, solve);
+  if (!keep) SetUpRenew(c->flow->particles->epoch, shift, solve);
   PetscCall(KSPSetReusePreconditioner(solve->ksp, keep));
   c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
   c->schur.inert   = shift * c->saddle.step;

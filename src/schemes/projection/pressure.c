@@ -34,7 +34,6 @@ struct Pressure {
   PetscInt       assemblies; /* stamp of the operators that the KSP has */
   PetscInt       numbering;  /* stamp of the last set-up */
   PetscInt       epoch;      /* of the particles at the first solution that the guess may use */
-  PetscInt       its_new;    /* iterations of the first solve after a set-up */
 };
 
 /* Creates a matrix with the entries of a shell. */
@@ -280,32 +279,6 @@ static PetscErrorCode PressureSource(Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the pair-wise Laplacian. Its diagonal has the sums of rows of the equation, which are not
-   0 where walls have a pressure. */
-static PetscErrorCode PairsMat(Flow *flow, Pressure *s)
-{
-  const FreeSurface *free = flow->ops->free;
-  PetscScalar       *extra;
-  Vec                one, sum;
-
-  PetscFunctionBegin;
-  PetscCall(FlowGetWork(flow, &one));
-  PetscCall(FlowGetWork(flow, &sum));
-  PetscCall(VecSet(one, 1.0));
-  PetscCall(AffineApply(&flow->ops->ppe, one, NULL, sum));
-  PetscCall(VecGetArray(sum, &extra));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) extra[i] = PetscMax(extra[i], 0.0);
-  PetscCall(VecRestoreArray(sum, &extra));
-  if (!flow->neighbors->row) PetscCall(NeighborsUpdate(flow->particles, 0.0, flow->neighbors));
-  PetscCall(PairLaplacian(flow, one, NULL, sum, free ? free->kind : NULL, &s->preconditioner));
-  PetscCall(
-      MatConvert(s->preconditioner, s->guard.mat_type, MAT_INPLACE_MATRIX, &s->preconditioner));
-  if (!SceneMoves(flow->scene) && !free) PetscCall(NeighborsRelease(flow->neighbors));
-  PetscCall(FlowRestoreWork(flow, &sum));
-  PetscCall(FlowRestoreWork(flow, &one));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets the matrix of the preconditioner: a copy, unless it is needed for the set-up only. */
 static PetscErrorCode PreconditionerMat(Flow *flow, const PressureMatrices *m, Pressure *s)
 {
@@ -315,7 +288,7 @@ static PetscErrorCode PreconditionerMat(Flow *flow, const PressureMatrices *m, P
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(PetscObjectTypeCompare((PetscObject)m->P, MATSHELL, &is_shell));
   if (s->pairs) {
-    PetscCall(PairsMat(flow, s));
+    PetscCall(PairPoisson(flow, s->guard.mat_type, &s->preconditioner));
   } else if (is_shell) {
     PetscCall(FlattenShell(m->P, &s->preconditioner));
   } else if (s->passing) {
@@ -387,27 +360,26 @@ static PetscErrorCode RenewPreconditioner(Flow *flow, Mat A, const PressureMatri
   PetscCall(PressureSource(s));
   if (s->passing) PetscCall(PassMatrix(A, diagonal, m, s));
   PetscCall(VecDestroy(&diagonal));
-  s->its_new = 0;
+  SetUpRenew(m->numbering, 1.0, &s->guard.solve);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Gives new matrices to the KSP. The preconditioner is reused until unknowns are renumbered or the
-  iterations have grown by half: displacements change it little, but a renumbering invalidates it.
+  Gives new matrices to the KSP. The preconditioner is reused as SetUpHolds() says: displacements
+  change it little, but a renumbering invalidates it.
   A checkpoint begins an epoch. A restarted run has no earlier solutions, so the guess forgets them.
 */
 static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 {
-  const KSP        ksp     = s->guard.solve.ksp;
-  const PetscInt   its     = s->guard.solve.iterations;
-  PetscBool        rebuild = its > s->its_new + s->its_new / 2 + 2;
-  PressureMatrices m       = {0};
+  const KSP        ksp = s->guard.solve.ksp;
+  PressureMatrices m   = {0};
+  PetscBool        rebuild;
   Mat              A;
 
   PetscFunctionBegin;
   PetscCall(GetMatrices(flow, s, &m));
   if (s->assemblies == m.assemblies) PetscFunctionReturn(PETSC_SUCCESS);
-  if (m.lasting) rebuild = PETSC_FALSE;
+  rebuild = !m.lasting && !SetUpHolds(&s->guard.solve.setup, m.numbering, 1.0);
   if (s->numbering != m.numbering || (s->guesses && s->epoch != flow->particles->epoch)) {
     PetscCall(PressureRenumber(flow, &m, s));
     rebuild = PETSC_TRUE;
@@ -458,7 +430,6 @@ PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
   PetscCall(KSPSolve(solve->ksp, b, phi));
   PetscCall(GuardCheck(&s->guard, &flow->scheme->failure));
   solve->iterations = s->guard.iterations;
-  if (s->its_new == 0) s->its_new = solve->iterations;
   if (((const Projection *)flow->scheme->data)->splines) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GaugeRemove(flow->scene, flow->particles, phi));
   PetscFunctionReturn(PETSC_SUCCESS);
