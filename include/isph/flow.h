@@ -250,7 +250,7 @@ typedef struct {
   char        note[256];      /* allowed but unwise choices of the user; empty: none */
   PetscInt    iterations;     /* of the last step */
   PetscInt    iterations_sum; /* of all steps */
-  PetscInt    setups;         /* of the preconditioner */
+  PetscInt    setups;         /* of the preconditioner, since this program began */
   SetUp       setup;          /* the present one */
   PetscInt    falls;          /* solves that needed a fallback */
   PetscInt    falls_in_a_row; /* those since the last good solve */

@@ -44,7 +44,7 @@ PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *s)
 */
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *s)
 {
-  char name[5][32];
+  char name[4][32];
 
   PetscFunctionBegin;
   PetscCheck(s->n_solves < SCHEME_MAX_SOLVES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
@@ -55,11 +55,9 @@ PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *s)
   PetscCall(PetscSNPrintf(name[1], sizeof(name[1]), "%siterations_sum", solve->prefix));
   PetscCall(PetscSNPrintf(name[2], sizeof(name[2]), "%sfalls", solve->prefix));
   PetscCall(PetscSNPrintf(name[3], sizeof(name[3]), "%sfalls_in_a_row", solve->prefix));
-  PetscCall(PetscSNPrintf(name[4], sizeof(name[4]), "%ssetups", solve->prefix));
   PetscCall(MemoryAddInt(&s->memory, name[0], &solve->iterations));
   PetscCall(MemoryAddInt(&s->memory, name[1], &solve->iterations_sum));
   PetscCall(MemoryAddCounter(&s->memory, name[2], &solve->falls));
   PetscCall(MemoryAddCounter(&s->memory, name[3], &solve->falls_in_a_row));
-  PetscCall(MemoryAddCounter(&s->memory, name[4], &solve->setups));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
