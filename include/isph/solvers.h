@@ -67,6 +67,8 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode AmgDiagonal(Mat A);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);
+PetscErrorCode SolverAttachShell(PC fieldsplit, PetscInt block, const char name[], void *ctx,
+                                 PetscErrorCode (*Apply)(PC pc, Vec x, Vec y));
 PetscErrorCode SolverSetUpGamg(KSP ksp);
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);

@@ -188,6 +188,32 @@ PetscErrorCode SolverRenewPC(KSP ksp)
 }
 
 /*
+  SolverAttachShell - Gives a block of a field split a shell as preconditioner, unless the user has
+  chosen another type for it
+
+  Collective. Input: block - its number; name - of the shell; ctx - its context.
+*/
+PetscErrorCode SolverAttachShell(PC fieldsplit, PetscInt block, const char name[], void *ctx,
+                                 PetscErrorCode (*Apply)(PC, Vec, Vec))
+{
+  KSP      *sub;
+  PetscBool shell;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(PCFieldSplitGetSubKSP(fieldsplit, NULL, &sub));
+  PetscCall(KSPGetPC(sub[block], &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, &shell));
+  if (shell) {
+    PetscCall(PCShellSetContext(pc, ctx));
+    PetscCall(PCShellSetApply(pc, Apply));
+    PetscCall(PCShellSetName(pc, name));
+  }
+  PetscCall(PetscFree(sub));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   SolverSetUpGamg - Sets up PETSc's AMG so that sums have the same order in every run
 
   Collective. Does nothing for other preconditioners. The default algorithm for the coarse matrices

@@ -3,8 +3,8 @@
   options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
   on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
   saddlesurface.c the pressures of free surfaces in it, velocityblock.c and schur.c the
-  preconditioners of velocities and of pressures, rheology.c
-  viscosities that follow the strain rate, step.c the step.
+  preconditioners of velocities and of pressures, rheology.c viscosities that follow the strain
+  rate, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
@@ -66,8 +66,9 @@ typedef struct {
   const char   *name; /* NULL: the user has chosen another one */
   const Flow   *flow;
   const Saddle *saddle;
-  KSP           factors; /* Jacobi, or factors of the blocks of ranks */
-  KSP           cycle;   /* of AMG for a component; NULL: none */
+  KSP           factors;                      /* Jacobi, or factors of the blocks of ranks */
+  KSP           cycle;                        /* of AMG for a component; NULL: none */
+  Vec           residual, pressure, from, to; /* work vectors, the last two of a component */
 } VelocityBlock;
 
 PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *block);

@@ -124,6 +124,25 @@ static PetscErrorCode AddTerm(Mat term, Mat *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the matrix with the entries of F: the block of a component, or F itself. */
+static Mat EntriesOf(const Saddle *s)
+{
+  return s->component ? s->component : s->F;
+}
+
+/* Creates the vector T_i/T of the rows of this matrix. */
+static PetscErrorCode TimesOfRows(const Particles *p, const Saddle *s, Vec *times)
+{
+  PetscFunctionBegin;
+  if (!s->component) {
+    PetscCall(VelocityVecRepeat(p, s->time, times));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecDuplicate(s->time, times));
+  PetscCall(VecCopy(s->time, *times));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components; v:
    `advecting`, if given. Terms that are the same for each component are summed up before they are
    interlaced, and F is a MATMAIJ if it has no others. */
@@ -134,7 +153,6 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
   const VelocityOperators *of      = &flow->ops->velocity[0];
   const PetscBool          couples = flow->ops->forms.components_coupled;
   Mat                      term, scalar = NULL;
-  Vec                      rows;
 
   PetscFunctionBegin;
   PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, &term));
@@ -155,18 +173,14 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
     PetscCall(AddTerm(term, &s->F));
     PetscCall(MatDestroy(&scalar));
   }
-  if (s->component) {
-    PetscCall(VecDuplicate(s->time, &rows));
-    PetscCall(VecCopy(s->time, rows));
-  } else {
-    PetscCall(VelocityVecRepeat(flow->particles, s->time, &rows));
+  if (!s->component) {
     PetscCall(MatSetBlockSize(s->F, scene->dim));
     PetscCall(MatConvert(s->F, type, MAT_INPLACE_MATRIX, &s->F));
   }
-  PetscCall(VecScale(rows, s->step));
-  PetscCall(MatDiagonalScale(s->component ? s->component : s->F, rows, NULL));
-  PetscCall(MatGetDiagonal(s->component ? s->component : s->F, rows));
-  s->diagonal = rows;
+  PetscCall(TimesOfRows(flow->particles, s, &s->diagonal));
+  PetscCall(VecScale(s->diagonal, s->step));
+  PetscCall(MatDiagonalScale(EntriesOf(s), s->diagonal, NULL));
+  PetscCall(MatGetDiagonal(EntriesOf(s), s->diagonal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -195,7 +209,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   PetscCall(SetUnits(flow, s));
   PetscCall(CreateMomentum(flow, advecting, type, s));
   PetscCall(CreateBlocks(flow, s));
-  PetscCall(SaddleEliminateSurface(flow->ops->free, s));
+  PetscCall(SaddleCreateStress(flow, s));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
     PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim * p->n_fluid, s->n_p, 1.0, &s->gauge));
@@ -213,14 +227,9 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->component) {
-    PetscCall(VecDuplicate(s->time, &rows));
-    PetscCall(VecCopy(s->time, rows));
-  } else {
-    PetscCall(VelocityVecRepeat(p, s->time, &rows));
-  }
+  PetscCall(TimesOfRows(p, s, &rows));
   PetscCall(VecAYPX(rows, s->step * shift, s->diagonal));
-  PetscCall(MatDiagonalSet(s->component ? s->component : s->F, rows, INSERT_VALUES));
+  PetscCall(MatDiagonalSet(EntriesOf(s), rows, INSERT_VALUES));
   PetscCall(VecDestroy(&rows));
   for (PetscInt k = 0; k < 3; k++) { /* tells PETSc about the changed block */
     const Mat changed[] = {s->F, s->P, s->A};

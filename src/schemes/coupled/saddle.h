@@ -54,7 +54,7 @@ PetscErrorCode SaddleAddGiven(const Saddle *saddle, PetscReal t, const Splines *
 PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *saddle);
 
 /* saddlesurface.c */
-PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *saddle);
+PetscErrorCode SaddleCreateStress(const Flow *flow, Saddle *saddle);
 PetscErrorCode SaddleCreateProduct(Saddle *saddle);
 PetscErrorCode SaddleMultiplyOut(Mat P, Mat *product);
 PetscErrorCode SaddleAddTension(const FreeSurface *surface, const Saddle *saddle, Vec b);

@@ -14,21 +14,15 @@
 
 #define KEY_Z "isph_surface" /* of Z with the blocks */
 
-/* SaddleEliminateSurface - Computes Z from the rows of D on free surfaces; collective */
-PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *s)
+/* SaddleCreateStress - Creates Z, the rows of -D on free surfaces; collective */
+PetscErrorCode SaddleCreateStress(const Flow *flow, Saddle *s)
 {
-  PetscInt *inner, first, n_inner = 0; /* global numbers */
+  const Operators   *ops  = flow->ops;
+  const AffineLayout rows = {1,       s->dim, -flow->scene->dx,
+                             s->mass, NULL,   ops->free ? ops->free->kind : NULL};
 
   PetscFunctionBegin;
-  if (!surface) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatGetOwnershipRange(s->D, &first, NULL));
-  PetscCall(PetscMalloc1(s->n, &inner));
-  for (PetscInt i = 0; i < s->n; i++)
-    if (!FreeSurfaceHolds(surface, i)) inner[n_inner++] = first + i;
-  PetscCall(MatDuplicate(s->D, MAT_COPY_VALUES, &s->Z));
-  PetscCall(MatScale(s->Z, -1.0));
-  PetscCall(MatZeroRows(s->Z, n_inner, inner, 0.0, NULL, NULL));
-  PetscCall(PetscFree(inner));
+  if (ops->free) PetscCall(AffineBlock(flow->particles, &ops->rows, &rows, ops->div, &s->Z));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

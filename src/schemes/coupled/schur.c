@@ -151,25 +151,12 @@ static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Sets the chosen approximation of the Schur complement as the shell
-   preconditioner of the pressure; collective */
+/* SchurAttach - Sets the chosen approximation of the Schur complement as the shell of the pressure;
+   collective */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
-  KSP      *sub;
-  PetscInt  n;
-  PetscBool shell;
-  PC        pc;
-
   PetscFunctionBegin;
-  PetscCall(PCFieldSplitGetSubKSP(fieldsplit, &n, &sub));
-  PetscCall(KSPGetPC(sub[n - 1], &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, &shell));
-  if (shell) {
-    PetscCall(PCShellSetContext(pc, s));
-    PetscCall(PCShellSetApply(pc, Schur_Apply));
-    PetscCall(PCShellSetName(pc, s->row->name));
-  }
-  PetscCall(PetscFree(sub));
+  PetscCall(SolverAttachShell(fieldsplit, 1, s->row->name, s, Schur_Apply));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

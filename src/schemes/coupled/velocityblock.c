@@ -53,8 +53,18 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the sums of the rows of F - T_i shift for each component alone, in units of their
-   largest one: what walls add to the diagonal. */
+static PetscErrorCode FreeVectors(VelocityBlock *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&v->residual));
+  PetscCall(VecDestroy(&v->pressure));
+  PetscCall(VecDestroy(&v->from));
+  PetscCall(VecDestroy(&v->to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the sums of the rows of F - T_i shift for each component alone, the largest over the
+   components: what walls add to the diagonal. */
 static PetscErrorCode WallDiagonal(const Flow *flow, const Saddle *s, Vec *diagonal)
 {
   Vec          all, sums, part;
@@ -157,95 +167,84 @@ static PetscErrorCode SetUpFactors(const Saddle *s, VelocityBlock *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Creates the work vectors anew: the particles of this rank may have changed. */
+static PetscErrorCode RenewVectors(const Saddle *s, VelocityBlock *v)
+{
+  PetscFunctionBegin;
+  PetscCall(FreeVectors(v));
+  PetscCall(VecDuplicate(s->time, &v->from));
+  PetscCall(VecDuplicate(s->time, &v->to));
+  if (!v->cycle || s->component) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(s->F, NULL, &v->residual));
+  PetscCall(VecDuplicate(s->pressure, &v->pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* VelocityBlockSetUp - Sets the preconditioner up for the present blocks; collective */
 PetscErrorCode VelocityBlockSetUp(const Saddle *s, VelocityBlock *v)
 {
   PetscFunctionBegin;
+  PetscCall(RenewVectors(s, v));
   if (v->factors) PetscCall(SetUpFactors(s, v));
   if (v->cycle) PetscCall(SetUpCycle(s, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Applies the KSP of scalar systems to each component of x, and adds the result to y. */
-static PetscErrorCode ApplyToComponents(KSP ksp, const Saddle *s, Vec x, Vec y)
+static PetscErrorCode ApplyToComponents(KSP ksp, const VelocityBlock *v, Vec x, Vec y)
 {
-  Vec from, to;
+  const PetscInt dim = v->saddle->dim;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(s->time, &from));
-  PetscCall(VecDuplicate(s->time, &to));
-  PetscCall(VecSetBlockSize(x, s->dim));
-  PetscCall(VecSetBlockSize(y, s->dim));
-  for (PetscInt c = 0; c < s->dim; c++) {
-    PetscCall(VecStrideGather(x, c, from, INSERT_VALUES));
-    PetscCall(KSPSolve(ksp, from, to));
-    PetscCall(VecStrideScatter(to, c, y, ADD_VALUES));
+  PetscCall(VecSetBlockSize(x, dim));
+  PetscCall(VecSetBlockSize(y, dim));
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscCall(VecStrideGather(x, c, v->from, INSERT_VALUES));
+    PetscCall(KSPSolve(ksp, v->from, v->to));
+    PetscCall(VecStrideScatter(v->to, c, y, ADD_VALUES));
   }
-  PetscCall(VecDestroy(&to));
-  PetscCall(VecDestroy(&from));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes r = x - (F + G Z) y. */
-static PetscErrorCode Residual(const Saddle *s, Vec x, Vec y, Vec r)
+/* Computes the residual x - (F + G Z) y. */
+static PetscErrorCode Residual(const VelocityBlock *v, Vec x, Vec y)
 {
-  Vec q;
+  const Saddle *s = v->saddle;
 
   PetscFunctionBegin;
-  PetscCall(MatMult(s->F, y, r));
+  PetscCall(MatMult(s->F, y, v->residual));
   if (s->Z) {
-    PetscCall(MatCreateVecs(s->Z, NULL, &q));
-    PetscCall(MatMult(s->Z, y, q));
-    PetscCall(MatMultAdd(s->G, q, r, r));
-    PetscCall(VecDestroy(&q));
+    PetscCall(MatMult(s->Z, y, v->pressure));
+    PetscCall(MatMultAdd(s->G, v->pressure, v->residual, v->residual));
   }
-  PetscCall(VecAYPX(r, -1.0, x));
+  PetscCall(VecAYPX(v->residual, -1.0, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Velocity_Apply(PC pc, Vec x, Vec y)
 {
   VelocityBlock *v;
-  const Saddle  *s;
-  Vec            r;
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &v));
-  s = v->saddle;
-  if (s->component) {
+  if (v->saddle->component) {
     PetscCall(VecZeroEntries(y));
-    PetscCall(ApplyToComponents(v->factors ? v->factors : v->cycle, s, x, y));
+    PetscCall(ApplyToComponents(v->factors ? v->factors : v->cycle, v, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(KSPSolve(v->factors, x, y));
   if (!v->cycle) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDuplicate(x, &r));
-  PetscCall(Residual(s, x, y, r));
-  PetscCall(ApplyToComponents(v->cycle, s, r, y));
-  PetscCall(VecDestroy(&r));
+  PetscCall(Residual(v, x, y));
+  PetscCall(ApplyToComponents(v->cycle, v, v->residual, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VelocityBlockAttach - Sets the preconditioner as the shell of the velocity block, unless the user
-   has chosen another one; collective. Output: attached. */
+/* VelocityBlockAttach - Sets the preconditioner as the shell of the velocity block; collective */
 PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *s, VelocityBlock *v)
 {
-  KSP      *sub;
-  PetscInt  n;
-  PetscBool shell;
-  PC        pc;
-
   PetscFunctionBegin;
-  PetscCall(PCFieldSplitGetSubKSP(fieldsplit, &n, &sub));
-  PetscCall(KSPGetPC(sub[0], &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, &shell));
   v->saddle = s;
-  if (shell) {
-    PetscCall(PCShellSetContext(pc, v));
-    PetscCall(PCShellSetApply(pc, Velocity_Apply));
-    PetscCall(PCShellSetName(pc, v->name));
-  }
-  PetscCall(PetscFree(sub));
+  PetscCall(SolverAttachShell(fieldsplit, 0, v->name, v, Velocity_Apply));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -253,6 +252,7 @@ PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *s, VelocityBlock
 PetscErrorCode VelocityBlockFree(VelocityBlock *v)
 {
   PetscFunctionBegin;
+  PetscCall(FreeVectors(v));
   PetscCall(KSPDestroy(&v->factors));
   PetscCall(KSPDestroy(&v->cycle));
   PetscFunctionReturn(PETSC_SUCCESS);
