@@ -83,7 +83,7 @@ typedef struct {
 } Graded;
 
 /* Weights of fits at points in the order in which a monitor asks for them, which fixed particles do
-   not change; see src/measures/probe.c. */
+   not change; see src/forces/probe.c. */
 typedef struct {
   PetscBool  on;              /* the monitor asks */
   PetscInt   at, n, capacity; /* next number, numbers, room for them */

@@ -4,12 +4,8 @@
 #ifndef ISPH_IO_H
 #define ISPH_IO_H
 
+#include "isph/forces.h"
 #include "isph/schemes.h"
-
-/* Interpolates velocity (and pressure, unless p is NULL) at points. */
-PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
-                           PetscReal p[]);
-PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[]);
 
 /* Reference data: two columns of a CSV file in the directory of reference data. */
 typedef struct {
@@ -138,10 +134,6 @@ void                    MonitorsGet(const Monitors *monitors, PetscReal values[]
 PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
-
-/* The ways in which forces are measured, see src/measures/forces.c. */
-enum { FORCE_MOMENTUM, FORCE_TRACTION };
-PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM]);
 
 extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,
     MatrixOptions;

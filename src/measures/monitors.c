@@ -1,5 +1,5 @@
 /*
-  Monitors: quantities measured in the course of a run. probemonitors.c and forces.c define the
+  Monitors: quantities measured in the course of a run. probemonitors.c and freemeasure.c define the
   kinds of monitors; monitorfile.c writes their files.
 */
 #include "monitors.h"

@@ -42,9 +42,7 @@ typedef struct {
   PetscErrorCode (*Write)(const Flow *flow, Monitor *monitor);
 } MonitorKind;
 /* probemonitors.c */
-extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget;
-/* forces.c */
-extern const MonitorKind MonitorForces;
+extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget, MonitorForces;
 /* freemeasure.c */
 extern const MonitorKind MonitorVolume;
 
@@ -54,40 +52,6 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
 PetscErrorCode MonitorFlush(Monitor *monitor);
 PetscBool      MonitorRow(const Clock *clock, const Monitor *monitor);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
-
-/* Facets of a wall or a section, see facets.c. */
-typedef struct {
-  PetscInt   n, dim;
-  PetscReal *x, *normal; /* middles and unit normals, dim coordinates each [m]; [-] */
-  PetscReal *area;       /* [m^(dim-1)] */
-  PetscReal  whole;      /* area of a piece of a section; 0: facets are squares [m^(dim-1)] */
-  PetscReal  edge[2][ISPH_MAX_DIM]; /* its edges [m] */
-} Facets;
-PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *facets);
-PetscErrorCode FacetsOfBody(const Scene *scene, PetscInt side, PetscInt pieces, Facets *facets);
-PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Facets *facets);
-PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *facets);
-PetscErrorCode FacetsFlux(const Flow *flow, const Facets *facets, PetscReal *flux, PetscReal *size);
-PetscErrorCode FacetsFree(Facets *facets);
-void           FacetsCopy(PetscInt k, PetscInt to, Facets *facets);
-
-/* tractions.c */
-PetscErrorCode FacetLoads(const Flow *flow, PetscInt side, const Facets *facets, PetscReal **f,
-                          PetscReal **p);
-PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *facets, PetscReal **f,
-                         PetscReal **p);
-PetscReal      StrainRate(PetscInt dim, const PetscReal gradient[]);
-void      AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
-                    PetscReal T[]);
-PetscReal FacetHeight(const Scene *scene, PetscInt side, const PetscReal x[]);
-PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
-                              const PetscReal rate[], PetscReal nu[]);
-
-/* probe.c */
-PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal gradient[],
-                           PetscReal rate[], PetscReal pressure[]);
-PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);
-PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);
 
 /* slidingmean.c */
 PetscErrorCode MonitorMean(const Clock *clock, PetscInt k, PetscInt n, PetscReal value[],

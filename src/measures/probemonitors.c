@@ -1,4 +1,4 @@
-/* Monitors based on probes: points, lines, and fluxes through sections; the budget of a step. */
+/* Monitors based on probes: points, lines, sections; forces on walls; the budget of a step. */
 #include "monitors.h"
 
 /*
@@ -155,6 +155,54 @@ const MonitorKind MonitorFluxes = {
     .header = "section,flux",
     .group  = {4, 9},
     .Write  = WriteFluxes,
+};
+
+/* Writes a row for each boundary that confines the fluid or is an opening: sides of the box, then
+   bodies. */
+static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
+{
+  const Scene *scene = flow->scene;
+  KeptFits    *kept  = &flow->state->kept_fits;
+
+  PetscFunctionBegin;
+  kept->on = SceneMoves(scene) ? PETSC_FALSE : PETSC_TRUE;
+  kept->at = 0;
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    PetscReal force[2][2 * ISPH_MAX_DIM];
+    char      name[WALL_NAME];
+
+    if (!SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) && !BoundaryIs(scene, side, BOUNDARY_INFLOW) &&
+        !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
+      continue;
+    PetscCall(WallForce(flow, side, force));
+    PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
+    SceneWallName(scene, side, name);
+    if (!MonitorRow(flow->clock, monitor)) continue;
+    (void)fprintf(monitor->stream, ",%s", name);
+    for (PetscInt k = 0; k < 2; k++) {
+      MonitorVector(monitor, scene->dim, force[k]);
+      MonitorVector(monitor, 3, &force[k][ISPH_MAX_DIM]);
+    }
+    (void)fprintf(monitor->stream, "\n");
+  }
+  kept->on = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Each boundary has a window, which stays empty without forces on it. */
+static PetscInt ForceWindows(const Scene *scene, const Monitor *monitor)
+{
+  (void)monitor;
+  return SceneBoundaries(scene);
+}
+
+const MonitorKind MonitorForces = {
+    .name    = "forces",
+    .header  = "wall,fx,fy,fz,tx,ty,tz,traction_fx,traction_fy,traction_fz,traction_tx,traction_ty,"
+               "traction_tz",
+    .Windows = ForceWindows,
+    .Write   = WriteForces,
 };
 
 /* Refuses a box whose first corner is not below the second along each axis. */

@@ -11,7 +11,7 @@
   3 dx, or of the order of those that are not outside a free surface. Only the wet parts of a wall
   have forces. See docs/theory.md, (112) and (113).
 */
-#include "monitors.h"
+#include "isph/forces.h"
 
 /* FacetHeight - Returns the height of the first probe above point x of a boundary: the spacing, on
    sides of the box along the normal [m]; not collective */

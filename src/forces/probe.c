@@ -9,7 +9,7 @@
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
-#include "monitors.h"
+#include "isph/forces.h"
 
 #define WET        1.3 /* distance of the nearest particle from which on a point is dry [dx] */
 #define KEY        (4 + ISPH_MAX_DIM) /* numbers that tell fits apart */

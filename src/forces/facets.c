@@ -4,7 +4,7 @@
   surface, wet. A film has few particles across: with facets that are wet or dry as a whole its
   flux would jump by a third, and the weight of fluid over a chamfer by a tenth.
 */
-#include "monitors.h"
+#include "isph/forces.h"
 
 /* Parts of a facet along each direction, wet or dry. */
 #define PARTS_2D 16
