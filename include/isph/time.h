@@ -50,15 +50,18 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
 #define MEMORY_MAX 96
 typedef struct {
   char       name[32];
-  PetscReal *real;    /* NULL for an integer */
-  PetscInt  *integer; /* NULL for a real number */
+  PetscReal *real;    /* an array; NULL for an integer */
+  PetscInt   count;   /* of numbers */
+  PetscInt  *integer; /* NULL for real numbers */
   PetscBool  counter; /* keeps its value when a step is undone */
 } MemoryItem;
 typedef struct {
   MemoryItem item[MEMORY_MAX];
-  PetscInt   n;
+  PetscInt   n, size; /* items, and the numbers in them */
 } Memory;
 PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value);
+PetscErrorCode MemoryAddReals(Memory *memory, const char name[], PetscInt count,
+                              PetscReal values[]);
 PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value);
 PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *value);
 void           MemoryGet(const Memory *memory, PetscReal values[]);

@@ -15,11 +15,12 @@ struct Attempt {
 
   PetscReal *record; /* own particles before the step, see ParticlesPack() */
   PetscInt   n, capacity, epoch;
-  PetscReal  memory[MEMORY_MAX];
+  PetscReal *memory;
   Vec        kept; /* of Scheme.kept; NULL: none */
 
-  Vec       p; /* before the solves, a work vector; NULL: not saved [Pa] */
-  PetscReal memory_solve[MEMORY_MAX];
+  Vec        p; /* before the solves, a work vector; NULL: not saved [Pa] */
+  Vec        kept_solve;
+  PetscReal *memory_solve;
 };
 
 /*
@@ -35,6 +36,7 @@ PetscErrorCode AttemptArrange(Flow *flow)
   PetscFunctionBegin;
   PetscCall(PetscNew(&a));
   s->attempt = a;
+  PetscCall(PetscMalloc2(s->memory.size, &a->memory, s->memory.size, &a->memory_solve));
   for (const Judge *const *judge = s->row->judges; *judge; judge++) {
     if (!(*judge)->Applies(flow)) continue;
     PetscCheck(a->n_judges < SCHEME_MAX_JUDGES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
@@ -56,9 +58,21 @@ PetscErrorCode AttemptDestroy(Attempt **attempt)
 {
   PetscFunctionBegin;
   if (!*attempt) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree2((*attempt)->memory, (*attempt)->memory_solve));
   PetscCall(PetscFree((*attempt)->record));
   PetscCall(VecDestroy(&(*attempt)->kept));
+  PetscCall(VecDestroy(&(*attempt)->kept_solve));
   PetscCall(PetscFree(*attempt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies what a scheme keeps off the particles over the last copy. */
+static PetscErrorCode CopyKept(const Scheme *scheme, Vec *copy)
+{
+  PetscFunctionBegin;
+  if (!scheme->kept) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*copy) PetscCall(VecDuplicate(scheme->kept, copy));
+  PetscCall(VecCopy(scheme->kept, *copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,8 +89,7 @@ static PetscErrorCode SaveStep(const Flow *flow, Attempt *a)
     PetscCall(PetscMalloc1(a->capacity, &a->record));
   }
   PetscCall(ParticlesPack(p, a->record));
-  if (flow->scheme->kept && !a->kept) PetscCall(VecDuplicate(flow->scheme->kept, &a->kept));
-  if (a->kept) PetscCall(VecCopy(flow->scheme->kept, a->kept));
+  PetscCall(CopyKept(flow->scheme, &a->kept));
   MemoryGet(&flow->scheme->memory, a->memory);
   a->n     = ParticlesOwn(p);
   a->epoch = p->epoch;
@@ -104,6 +117,7 @@ static PetscErrorCode SaveSolves(Flow *flow, Attempt *a)
   PetscFunctionBegin;
   PetscCall(FlowGetWork(flow, &a->p));
   PetscCall(VecCopy(flow->state->p, a->p));
+  PetscCall(CopyKept(flow->scheme, &a->kept_solve));
   MemoryGet(&flow->scheme->memory, a->memory_solve);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,6 +126,7 @@ static PetscErrorCode RestoreSolves(Flow *flow, const Attempt *a)
 {
   PetscFunctionBegin;
   PetscCall(VecCopy(a->p, flow->state->p));
+  if (a->kept_solve) PetscCall(VecCopy(a->kept_solve, flow->scheme->kept));
   MemorySet(&flow->scheme->memory, PETSC_FALSE, a->memory_solve);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

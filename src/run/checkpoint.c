@@ -157,7 +157,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   const long long   N_fluid = p->N_start[0], N_wall = p->N_start[1], next_id = p->next_id;
   const double      next = (double)next_id;
   const SceneEntry *entry;
-  double            numbers[SCENE_ENTRY_MAX], values[MEMORY_MAX];
+  double            numbers[SCENE_ENTRY_MAX], *values;
   char              names[MEMORY_MAX * 32];
 
   PetscFunctionBegin;
@@ -179,8 +179,10 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
     PetscCall(entry->Compute(scene, numbers));
     PetscCall(WriteTable(file, entry->name, 1, entry->n, numbers, sum));
   }
+  PetscCall(PetscMalloc1(memory->size, &values));
   MemoryGet(memory, values);
-  PetscCall(WriteTable(file, "memory", 1, memory->n, values, sum));
+  PetscCall(WriteTable(file, "memory", 1, memory->size, values, sum));
+  PetscCall(PetscFree(values));
   PetscCall(WriteHistory(run, file, sum));
   PetscCall(WriteMonitors(run, file, sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -196,7 +196,7 @@ static PetscErrorCode ReadMemory(const Memory *memory, const char path[], Hdf5Fi
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(file->failed || same,
             "-restart %s: the file has another scheme or integrator; use the same -scheme", path);
-  PetscCall(ReadTable(file, "memory", 1, memory->n, &stored->memory, sum));
+  PetscCall(ReadTable(file, "memory", 1, memory->size, &stored->memory, sum));
   if (!file->failed && !MemoryFits(memory, stored->memory)) file->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

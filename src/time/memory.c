@@ -11,6 +11,7 @@ static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem it
              "%s is one more than MEMORY_MAX = %d", name, MEMORY_MAX);
   PetscCall(PetscStrncpy(item.name, name, sizeof(item.name)));
   memory->item[memory->n++] = item;
+  memory->size += item.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -23,7 +24,16 @@ static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem it
 PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value)
 {
   PetscFunctionBegin;
-  PetscCall(MemoryAdd(memory, name, (MemoryItem){.real = value}));
+  PetscCall(MemoryAddReals(memory, name, 1, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* MemoryAddReals - Adds an array of real numbers under one name to the memory; see
+   MemoryAddReal() */
+PetscErrorCode MemoryAddReals(Memory *memory, const char name[], PetscInt count, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(MemoryAdd(memory, name, (MemoryItem){.real = values, .count = count}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -31,7 +41,7 @@ PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value
 PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value)
 {
   PetscFunctionBegin;
-  PetscCall(MemoryAdd(memory, name, (MemoryItem){.integer = value}));
+  PetscCall(MemoryAdd(memory, name, (MemoryItem){.integer = value, .count = 1}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,17 +49,19 @@ PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value)
 PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *value)
 {
   PetscFunctionBegin;
-  PetscCall(MemoryAdd(memory, name, (MemoryItem){.integer = value, .counter = PETSC_TRUE}));
+  PetscCall(
+      MemoryAdd(memory, name, (MemoryItem){.integer = value, .count = 1, .counter = PETSC_TRUE}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryGet - Copies all memory->n numbers to an array; not collective */
+/* MemoryGet - Copies all memory->size numbers to an array; not collective */
 void MemoryGet(const Memory *memory, PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
     const MemoryItem *item = &memory->item[k];
 
-    values[k] = item->real ? *item->real : (PetscReal)*item->integer;
+    for (PetscInt i = 0; i < item->count; i++)
+      *values++ = item->real ? item->real[i] : (PetscReal)*item->integer;
   }
 }
 
@@ -57,13 +69,12 @@ void MemoryGet(const Memory *memory, PetscReal values[])
    their range, others above minus infinity; not collective. Infinity stands for an unknown. */
 PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
 {
-  for (PetscInt k = 0; k < memory->n; k++) {
-    if (memory->item[k].real) {
-      if (!(values[k] > PETSC_NINFINITY)) return PETSC_FALSE;
-      continue;
-    }
-    if (!(PetscAbsReal(values[k]) < (PetscReal)PETSC_INT_MAX)) return PETSC_FALSE;
-    if (values[k] != PetscFloorReal(values[k])) return PETSC_FALSE;
+  for (PetscInt k = 0; k < memory->n; values += memory->item[k++].count) {
+    for (PetscInt i = 0; memory->item[k].real && i < memory->item[k].count; i++)
+      if (!(values[i] > PETSC_NINFINITY)) return PETSC_FALSE;
+    if (memory->item[k].real) continue;
+    if (!(PetscAbsReal(values[0]) < (PetscReal)PETSC_INT_MAX)) return PETSC_FALSE;
+    if (values[0] != PetscFloorReal(values[0])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -72,11 +83,11 @@ PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
    collective */
 void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
 {
-  for (PetscInt k = 0; k < memory->n; k++) {
+  for (PetscInt k = 0; k < memory->n; values += memory->item[k++].count) {
     const MemoryItem *item = &memory->item[k];
 
     if (item->counter && !counters) continue;
-    if (item->real) *item->real = values[k];
-    else *item->integer = (PetscInt)values[k];
+    for (PetscInt i = 0; item->real && i < item->count; i++) item->real[i] = values[i];
+    if (item->integer) *item->integer = (PetscInt)values[0];
   }
 }
