@@ -413,6 +413,7 @@ PetscErrorCode AverageRegister(Flow *flow);
 PetscReal      AverageLength(const Flow *flow);
 
 /* The acceleration of the last step, and the error in time. */
+PetscErrorCode AccelerationKeep(const Flow *flow);
 PetscErrorCode AccelerationGet(const Flow *flow, PetscReal *const rate[]);
 PetscErrorCode AccelerationRegister(Flow *flow);
 PetscErrorCode AccelerationRemember(Flow *flow);

@@ -44,6 +44,13 @@ PetscReal FacetHeight(const Scene *scene, PetscInt side, const PetscReal x[]);
 PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
                               const PetscReal rate[], PetscReal nu[]);
 
+/* The force on a boundary by the momentum of the fluid beside it. */
+typedef struct Reaction Reaction;
+PetscErrorCode          ReactionCreate(const Flow *flow, PetscInt side, Reaction **reaction);
+PetscErrorCode          ReactionForce(const Flow *flow, PetscBool next, Reaction *reaction,
+                                      PetscReal force[]);
+PetscErrorCode          ReactionDestroy(Reaction **reaction);
+
 /* The ways in which forces are measured, see forces.c. */
 enum { FORCE_MOMENTUM, FORCE_TRACTION };
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM]);

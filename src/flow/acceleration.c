@@ -121,15 +121,26 @@ static void AddError(const Flow *flow, PetscReal error, const PetscReal derivati
   acceleration->time_error = PetscMax(acceleration->time_error, error);
 }
 
-static PetscErrorCode AccelerationEnd(Flow *flow)
+/* AccelerationKeep - Keeps the rate of the present step, from u_next, for AccelerationGet();
+   collective */
+PetscErrorCode AccelerationKeep(const Flow *flow)
 {
-  const Clock    *clock        = flow->clock;
-  Acceleration   *acceleration = &flow->state->acceleration;
-  PetscReal       weight[HISTORY], derivative[2];
-  const PetscReal k = clock->dt * HistoryStartWeights(clock, weight);
+  PetscReal       weight[HISTORY];
+  const PetscReal k = flow->clock->dt * HistoryStartWeights(flow->clock, weight);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(KeepRate(flow, a, weight, k));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AccelerationEnd(Flow *flow)
+{
+  const Clock  *clock        = flow->clock;
+  Acceleration *acceleration = &flow->state->acceleration;
+  PetscReal     derivative[2];
+
+  PetscFunctionBegin;
+  PetscCall(AccelerationKeep(flow));
   if (clock->step < SAMPLE || clock->step % SAMPLE == 0) {
     const PetscReal now = clock->t + clock->dt;
     PetscReal       error;
