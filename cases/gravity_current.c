@@ -52,7 +52,7 @@ static PetscReal StartHeight(const Scene *scene, PetscReal r)
 
 /* Sets the filled region: a polygon through points of the profile, whose angles are even in the
    ellipse of its axes, and corners below the floor; in 3D its half turns about the axis. */
-static const char *SetProfile(const Scene *scene, Body *body)
+static const char *SetProfile(Scene *scene, Body *body)
 {
   const PetscReal L = scene->length, R = RADIUS * L;
   const PetscInt  first          = scene->dim == 2 ? 1 : CORNERS / 2; /* point of the profile */

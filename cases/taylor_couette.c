@@ -9,7 +9,7 @@
 static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
   const PetscReal room = scene->length + 6.0 * scene->dx;
-  Boundary       *inner, *outer;
+  Boundary       *wall;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -17,12 +17,12 @@ static PetscErrorCode TaylorCouetteSetup(Scene *scene)
     scene->hi[a] = room;
   }
   SceneSetSides(scene, &BoundaryNone);
-  inner = SceneAddBody(scene);
-  outer = SceneAddBody(scene);
-  BodyCircle(scene, 0.0, 0.0, 0.5 * scene->length, &inner->body);
-  BodyCircle(scene, 0.0, 0.0, scene->length, &outer->body);
-  inner->rotation    = ExpressionNumber(scene->speed / (0.5 * scene->length));
-  outer->body.around = PETSC_TRUE;
+  wall = SceneAddBody(scene);
+  BodyCircle(scene, 0.0, 0.0, 0.5 * scene->length, &wall->body);
+  wall->rotation = ExpressionNumber(scene->speed / (0.5 * scene->length));
+  wall           = SceneAddBody(scene);
+  BodyCircle(scene, 0.0, 0.0, scene->length, &wall->body);
+  wall->body.around = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -136,6 +136,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(ParticlesDestroy(&cloud->particles));
   PetscCall(ExpressionScopeDestroy(&cloud->scene.scope));
   PetscCall(PetscFree(cloud->scene.regime));
+  PetscCall(SceneFreeShapes(&cloud->scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,7 +13,8 @@ static void test_corner(void **state)
 {
   const BoundaryRow outflow  = {.properties = BOUNDARY_OUTFLOW};
   const BoundaryRow inflow   = {.properties = BOUNDARY_INFLOW};
-  Scene             scene    = {.dim = 2, .dx = DX};
+  Boundary          side[4]  = {{.kind = &outflow}, {.kind = &inflow}, {.kind = &outflow}};
+  Scene             scene    = {.dim = 2, .dx = DX, .boundary = side};
   Entrant           places[] = {{.x = {0.35 * DX, 0.5 * DX}, .side = 0},
                                 {.x = {0.5 * DX, 0.35 * DX}, .side = 2},
                                 {.x = {0.35 * DX, 1.5 * DX}, .side = 0},
@@ -22,8 +23,6 @@ static void test_corner(void **state)
   Entrants          entrants = {.n = 5, .entrant = places};
 
   (void)state;
-  scene.boundary[0].kind = scene.boundary[2].kind = &outflow;
-  scene.boundary[1].kind                          = &inflow;
   EntrantsDropCrowded(&scene, &entrants);
   assert_int_equal(entrants.n, 4);
   assert_true(places[0].x[1] == 0.5 * DX);

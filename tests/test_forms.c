@@ -93,7 +93,8 @@ static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
    n.grad f at walls too. */
 static void test_equations(void **state)
 {
-  const Scene scene = {.dim = 2, .boundary = {{.kind = &BoundaryWall}}};
+  Boundary    wall[4] = {{.kind = &BoundaryWall}};
+  const Scene scene   = {.dim = 2, .boundary = wall};
 
   (void)state;
   for (PetscInt dim = 2; dim <= 3; dim++) {

@@ -124,7 +124,7 @@ static void test_thickness(void **state)
       {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.5, 0.8}, 0.2, 0.2},  /* 58 and 64 degrees */
   };
 
-  const Scene scene = {.dim = 2};
+  Scene scene = {.dim = 2};
 
   (void)state;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(bodies); k++) {
@@ -195,7 +195,9 @@ static void CheckImages(PetscInt dim, const char *shape, PetscInt numbers, const
   plain.dim = dim;
   for (PetscInt a = 0; a < dim; a++) plain.hi[a] = 1.0;
   SceneSetSides(&plain, &BoundaryWall);
-  periodic = plain;
+  periodic                   = plain;
+  periodic.boundary          = NULL;
+  periodic.boundary_capacity = 0;
   SceneSetSides(&periodic, &BoundaryPeriodic);
   ASSERT_OK(TableWant(table, "test", shape, &row));
   assert_null(BodySet(&plain, row, numbers, number, &body));

@@ -7,22 +7,32 @@
 
 #include "isph/options.h"
 
-#define BODY_PARAMETERS 64
+/* Memory of shapes: blocks from PetscMalloc(), freed together. */
+typedef struct {
+  PetscInt n, capacity;
+  void   **block;
+} BodyStore;
 
 /* Solid bodies; with `around` the fluid is inside, and the solid surrounds it. */
 typedef struct Body     Body;
 typedef struct ShapeRow ShapeRow;
 struct ShapeRow {
   const char     *name, *brief, *citation;
-  PetscInt        fewest, most;   /* allowed numbers of parameters, at most BODY_PARAMETERS */
+  PetscInt        fewest, most;   /* allowed numbers of parameters; most = 0: any number */
+  PetscBool       plane;          /* of the plane, also in 3D */
   PetscBool       round;          /* invariant under rotation about an axis along z through its
                                          centre */
   const ShapeRow *outline;        /* in 3D: plane shape of a body along z, or of the meridian */
   PetscBool       revolves, ends; /* with an outline: it is a meridian; it ends inside the box */
+  PetscErrorCode (*Read)(const char option[], const char text[],
+                         Body *body); /* in place of numbers: reads the text after the name, sets
+                                         data, centre and extent; collective; NULL: numbers */
   const char *(*Prepare)(Body *body); /* sets centre and extent; returns NULL or a fault */
   void (*Span)(const Body *body, PetscInt axis, PetscReal span[2]); /* see BodySpan() */
   PetscReal (*Distance)(const Body *body, const PetscReal x[],
-                        PetscReal normal[]);         /* outside > 0 */
+                        PetscReal normal[]); /* outside > 0 */
+  PetscReal (*Within)(const Body *body, const PetscReal x[], PetscReal most,
+                      PetscReal normal[]);           /* see BodyWithin(); may be NULL */
   PetscInt (*Count)(const Body *body, PetscReal dx); /* points on the surface */
   PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
                      PetscReal normal[]); /* returns the length, or area, of its surface part */
@@ -31,13 +41,22 @@ extern const Table ShapeTable, SolidTable; /* of the plane, and of space */
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
-  PetscReal       parameter[2 * BODY_PARAMETERS]; /* of the shape; with a mirrored meridian [m] */
-  PetscReal       centre[ISPH_MAX_DIM];           /* [m] */
-  PetscReal       extent;                         /* largest distance of the surface from it [m] */
+  PetscReal      *parameter; /* numbers of the shape, with a mirrored meridian, in `store` [m] */
+  const void     *data;      /* of shapes that are more than numbers, in `store` */
+  BodyStore      *store;
+  PetscReal       centre[ISPH_MAX_DIM]; /* [m] */
+  PetscReal       extent; /* largest distance of the surface from it along an axis [m] */
+  PetscReal       lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* box around the outline [m] */
   PetscReal       ends[2]; /* along z, of a shape with an outline in 3D [m] */
   PetscBool       around;
 };
 
+PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store);
+PetscErrorCode BodyStoreFree(BodyStore *store);
+const char    *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                           BodyStore *store, Body *body);
+void           BodySetBox(Body *body);
+PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, PetscReal normal[]);
 PetscBool BodyReachesThrough(const Body *body, PetscInt axis);
 PetscInt  BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscInt  ShapeRingCount(PetscReal r, PetscReal dx);

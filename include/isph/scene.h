@@ -24,14 +24,13 @@ typedef enum {
 #define PHYSICS_COUNT 5
 extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bits; ends with NULL */
 
-#define SCENE_MAX_BODIES     16
-#define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
-#define WALL_NAME            24 /* size of a wall name */
-#define PLACE_TEXT           48 /* size of the text of a place */
-#define KIND_NAME            32 /* size of the name of a kind of boundaries, with a comma */
-#define SCENE_MAX_FLUIDS     8
-#define SCENE_MAX_FILLED     16
-#define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
+#define WALL_PLANES      24 /* most boundaries near a place: the nearest */
+#define WALL_NAME        24 /* size of a wall name */
+#define PLACE_TEXT       48 /* size of the text of a place */
+#define KIND_NAME        32 /* size of the name of a kind of boundaries, with a comma */
+#define SCENE_MAX_FLUIDS 8
+#define SCENE_MAX_FILLED 16
+#define SCENE_ON_SURFACE 1e-9 /* rounding of distances from a surface [dx] */
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
 typedef enum {
@@ -165,11 +164,11 @@ typedef struct {
 /* Isotropic grading: the spacing as a function of place, docs/theory.md, (142). */
 typedef struct {
   PetscBool  on;
-  Expression spacing;                    /* function of x, y, z; n = 0: not given [dx] */
-  PetscReal  growth;                     /* per distance from walls and bodies; 0: not given [-] */
-  PetscReal  least, most;                /* bounds of the spacing [m] */
-  PetscReal  growth_most;                /* largest growth from a particle to the next [-] */
-  PetscReal  even[SCENE_MAX_BOUNDARIES]; /* spacing on a side in 3D; 0: it differs there [m] */
+  Expression spacing;                /* function of x, y, z; n = 0: not given [dx] */
+  PetscReal  growth;                 /* per distance from walls and bodies; 0: not given [-] */
+  PetscReal  least, most;            /* bounds of the spacing [m] */
+  PetscReal  growth_most;            /* largest growth from a particle to the next [-] */
+  PetscReal  even[2 * ISPH_MAX_DIM]; /* spacing on a side in 3D; 0: it differs there [m] */
 } Grading;
 
 #define SCENE_SOLUTION 7 /* largest number of numbers of an exact solution */
@@ -207,8 +206,9 @@ struct Scene {
   Expression       exact;    /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
   Expression       force;    /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
-  Boundary   boundary[SCENE_MAX_BOUNDARIES];
-  PetscInt   n_bodies;
+  Boundary  *boundary;
+  PetscInt   n_bodies, boundary_capacity;
+  BodyStore  store;                    /* memory of shapes */
   Expression nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
   Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
   PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
@@ -263,6 +263,7 @@ PetscReal      SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscRe
 PetscReal      SideEntering(PetscInt side, const PetscReal u[]);
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
 PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene);
+PetscErrorCode SceneFreeShapes(Scene *scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 const char    *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT]);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -338,20 +339,21 @@ PetscErrorCode SceneBoundViscosity(Scene *scene);
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
 void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
-PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
-                         PetscBool *given);
-PetscErrorCode ShapeReadPlane(const Scene *scene, const OptionRow *row, Body *body,
-                              PetscBool *given);
-PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
-const char *BodySet(const Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
-                    Body *body);
-void        BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
-void        BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
-const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
+PetscErrorCode  ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
+                          PetscBool *given);
+PetscErrorCode  ShapeReadPlane(Scene *scene, const OptionRow *row, Body *body, PetscBool *given);
+PetscErrorCode  ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
+const char     *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                        Body *body);
+void            BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
+void            BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
+const char     *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
 void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[]);
+PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
+                             PetscReal most, PetscReal normal[]);
 PetscReal BodySpacing(const Scene *scene, const Body *body);
 PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
                           PetscInt *side);
@@ -363,7 +365,7 @@ Body     *SceneAddFilled(Scene *scene);
 PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
 PetscBool SceneHasFreeSurface(const Scene *scene);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                          WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
+                          WallPlane planes[WALL_PLANES], PetscInt *count);
 PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
 void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
                      PetscReal *volume);

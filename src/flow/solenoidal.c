@@ -38,7 +38,7 @@ static PetscReal WaveNumber(const Scene *scene, PetscInt axis, PetscInt k)
 static void SetCutoff(const Scene *scene, const PetscReal x[], Factors *f)
 {
   const PetscReal reach = CUTOFF * scene->length;
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
+  WallPlane       planes[WALL_PLANES];
   PetscInt        n = 0;
 
   f->cutoff = 1.0;

@@ -4,6 +4,80 @@
 */
 #include "shapes.h"
 
+/* BodyStoreAdd - Adds memory from PetscMalloc() to a store, which frees it; not collective */
+PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store)
+{
+  PetscFunctionBegin;
+  if (store->n == store->capacity) {
+    store->capacity = 2 * store->capacity + 16;
+    PetscCall(PetscRealloc(sizeof(*store->block) * (size_t)store->capacity, &store->block));
+  }
+  store->block[store->n++] = memory;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BodyStoreFree - Frees the memory of a store; not collective */
+PetscErrorCode BodyStoreFree(BodyStore *store)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < store->n; k++) PetscCall(PetscFree(store->block[k]));
+  PetscCall(PetscFree(store->block));
+  *store = (BodyStore){.n = 0};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BodySetBox - Sets the box around the outline of a body, infinite along axes along which it has no
+   end; not collective */
+void BodySetBox(Body *body)
+{
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscReal       span[2] = {-PETSC_INFINITY, PETSC_INFINITY};
+    const PetscBool has_no_end =
+        body->shape->plane ? (PetscBool)(a == 2) : BodyReachesThrough(body, a);
+
+    if (!has_no_end) BodySpan(body, a, span);
+    body->lo[a] = span[0];
+    body->hi[a] = span[1];
+  }
+}
+
+/* BodyNumbers - Sets a body from n numbers of its shape [m], which `store` will own; returns NULL
+   or a fault; not collective */
+const char *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                        BodyStore *store, Body *body)
+{
+  const char *fault;
+
+  body->shape = shape;
+  body->n     = n;
+  body->store = store;
+  if (PetscMalloc1(2 * n + 8, &body->parameter)) return "there is no memory for its numbers";
+  if (BodyStoreAdd(body->parameter, store)) return "there is no memory for its numbers";
+  (void)PetscArraycpy(body->parameter, number, n);
+  fault = shape->Prepare(body);
+  if (!fault) BodySetBox(body);
+  return fault;
+}
+
+/*
+  BodyWithin - Returns the signed distance of x from the outline of a body, positive outside [m]
+
+  Not collective. A distance that is certainly larger than `most` may be returned as any number
+  larger than it, without a normal: first the distance from the box around the body is tried.
+*/
+PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, PetscReal normal[])
+{
+  const PetscReal sure = most + 1e-9 * body->extent; /* with the rounding of distances */
+
+  for (PetscInt a = 0; a < (body->shape->plane ? 2 : ISPH_MAX_DIM) && most < PETSC_INFINITY; a++) {
+    const PetscReal far = PetscMax(body->lo[a] - x[a], x[a] - body->hi[a]);
+
+    if (far > sure) return far;
+  }
+  if (body->shape->Within) return body->shape->Within(body, x, most, normal);
+  return body->shape->Distance(body, x, normal);
+}
+
 /* BodySpan - Computes the least and largest coordinate of a body along an axis [m]; not
    collective */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])

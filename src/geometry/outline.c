@@ -22,7 +22,21 @@ PetscErrorCode OutlineCreate(const Body *body, PetscReal spacing, const PetscRea
       o->x[2 * ((k + o->n - 1) % o->n) + a] += 0.5 * (x[a] + shift[a] - half * tangent[a]);
     }
   }
+  for (PetscInt a = 0; a < 2; a++) {
+    o->lo[a] = PETSC_INFINITY;
+    o->hi[a] = -PETSC_INFINITY;
+    for (PetscInt k = 0; k < o->n; k++) {
+      o->lo[a] = PetscMin(o->lo[a], o->x[2 * k + a]);
+      o->hi[a] = PetscMax(o->hi[a], o->x[2 * k + a]);
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* OutlineIsApart - Returns true if an outline has no part in a box; not collective */
+PetscBool OutlineIsApart(const Outline *o, const PetscReal lo[2], const PetscReal hi[2])
+{
+  return o->lo[0] > hi[0] || o->lo[1] > hi[1] || o->hi[0] < lo[0] || o->hi[1] < lo[1];
 }
 
 /* OutlineClip - Clips a polygon of n corners to s x_axis >= s limit; returns the number of corners.

@@ -7,12 +7,14 @@
 /* The outline of a body or of one of its periodic images, counter-clockwise. */
 typedef struct {
   PetscInt   n;
-  PetscReal *x;    /* corners: 2 coordinates each [m] */
-  PetscReal  sign; /* of its area in the area of the fluid */
+  PetscReal *x;            /* corners: 2 coordinates each [m] */
+  PetscReal  lo[2], hi[2]; /* box around them [m] */
+  PetscReal  sign;         /* of its area in the area of the fluid */
 } Outline;
 
 PetscErrorCode OutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
                              Outline *o);
+PetscBool      OutlineIsApart(const Outline *o, const PetscReal lo[2], const PetscReal hi[2]);
 PetscInt OutlineClip(PetscInt n, const PetscReal x[], PetscInt axis, PetscReal s, PetscReal limit,
                      PetscReal out[]);
 

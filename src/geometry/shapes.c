@@ -8,7 +8,7 @@
    that a body can add up its lines; not collective */
 PetscInt ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest)
 {
-  const PetscReal most = (PetscReal)(PETSC_INT_MAX / BODY_PARAMETERS);
+  const PetscReal most = (PetscReal)(PETSC_INT_MAX / 64);
 
   return PetscMax(fewest, (PetscInt)PetscMin(PetscFloorReal(length / dx + 0.5), most));
 }
@@ -221,6 +221,7 @@ const ShapeRow ShapeCircle = {
     .name     = "circle",
     .brief    = "cx,cy,r",
     .citation = "",
+    .plane    = PETSC_TRUE,
     .fewest   = 3,
     .most     = 3,
     .round    = PETSC_TRUE,
@@ -235,6 +236,7 @@ static const ShapeRow box = {
     .name     = "box",
     .brief    = "x0,y0,x1,y1: two opposite corners",
     .citation = "",
+    .plane    = PETSC_TRUE,
     .fewest   = 4,
     .most     = 4,
     .Prepare  = ShapeBoxPrepare,
@@ -246,10 +248,10 @@ static const ShapeRow box = {
 
 const ShapeRow ShapePolygon = {
     .name     = "polygon",
-    .brief    = "x0,y0,x1,y1,...: 3 to 32 corners in order",
+    .brief    = "x0,y0,x1,y1,...: 3 or more corners in order",
     .citation = "",
+    .plane    = PETSC_TRUE,
     .fewest   = 6,
-    .most     = BODY_PARAMETERS,
     .Prepare  = PolygonPrepare,
     .Span     = PolygonSpan,
     .Distance = PolygonDistance,

@@ -189,7 +189,7 @@ static PetscReal BallPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal
 */
 static const char *MirrorMeridian(Body *body)
 {
-  PetscReal     *c       = body->parameter, turned[BODY_PARAMETERS];
+  PetscReal     *c = body->parameter, *turned = c + body->n; /* room for the mirror image */
   const PetscInt corners = body->n / 2;
   PetscInt       first = -1, on_axis = 0;
 
@@ -202,7 +202,7 @@ static const char *MirrorMeridian(Body *body)
   if (on_axis > 2) return "at most two of its corners are on the axis";
   if (first < 0) return NULL;
   for (PetscInt k = 0; k < body->n; k++) turned[k] = c[(2 * first + k) % body->n];
-  for (PetscInt k = 0; k < body->n; k++) c[k] = turned[k];
+  (void)PetscArraycpy(c, turned, body->n);
   for (PetscInt e = corners - 2; e >= 1; e--) {
     c[body->n++] = -c[2 * e];
     c[body->n++] = c[2 * e + 1];
@@ -314,10 +314,9 @@ static PetscReal RevolvedPoint(const Body *body, PetscInt k, PetscReal dx, Petsc
 
 const ShapeRow ShapeRevolved = {
     .name     = "revolved",
-    .brief    = "r0,z0,r1,z1,...: a turn about the axis z of 3 to 32 corners in order, r >= 0",
+    .brief    = "r0,z0,r1,z1,...: a turn about the axis z of 3 or more corners in order, r >= 0",
     .citation = "",
     .fewest   = 6,
-    .most     = BODY_PARAMETERS,
     .round    = PETSC_TRUE,
     .outline  = &ShapePolygon,
     .revolves = PETSC_TRUE,
@@ -374,10 +373,9 @@ const ShapeRow ShapeCylinder = {
 
 static const ShapeRow prism = {
     .name     = "prism",
-    .brief    = "x0,y0,x1,y1,...: 3 to 32 corners in order; along z through the box",
+    .brief    = "x0,y0,x1,y1,...: 3 or more corners in order; along z through the box",
     .citation = "",
     .fewest   = 6,
-    .most     = BODY_PARAMETERS,
     .outline  = &ShapePolygon,
     .Prepare  = PrismPrepare,
     .Span     = PrismSpan,

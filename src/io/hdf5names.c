@@ -20,27 +20,29 @@ PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[])
 */
 PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
 {
-  char names[SCENE_MAX_BOUNDARIES * (WALL_NAME + 1)] = "";
-  char kinds[SCENE_MAX_BOUNDARIES * KIND_NAME]       = "";
-  int  ids[SCENE_MAX_BOUNDARIES];
+  const PetscInt n         = SceneBoundaries(scene);
+  const size_t   name_size = (size_t)n * (WALL_NAME + 1), kind_size = (size_t)n * KIND_NAME;
+  char          *names, *kinds;
+  int           *ids;
 
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+  PetscCall(PetscCalloc3(name_size, &names, kind_size, &kinds, n, &ids));
+  for (PetscInt side = 0; side < n; side++) {
     char name[WALL_NAME];
 
     ids[side] = (int)side;
     SceneWallName(scene, side, name);
     if (side) {
-      PetscCall(PetscStrlcat(names, ",", sizeof(names)));
-      PetscCall(PetscStrlcat(kinds, ",", sizeof(kinds)));
+      PetscCall(PetscStrlcat(names, ",", name_size));
+      PetscCall(PetscStrlcat(kinds, ",", kind_size));
     }
-    PetscCall(PetscStrlcat(names, name, sizeof(names)));
-    PetscCall(PetscStrlcat(kinds, scene->boundary[side].kind->name, sizeof(kinds)));
+    PetscCall(PetscStrlcat(names, name, name_size));
+    PetscCall(PetscStrlcat(kinds, scene->boundary[side].kind->name, kind_size));
   }
-  PetscCall(
-      Hdf5WriteNumbers(file, "/", "boundary_ids", H5T_NATIVE_INT, SceneBoundaries(scene), ids));
+  PetscCall(Hdf5WriteNumbers(file, "/", "boundary_ids", H5T_NATIVE_INT, n, ids));
   PetscCall(Hdf5WriteText(file, "/", "boundary_names", names));
   PetscCall(Hdf5WriteText(file, "/", "boundary_kinds", kinds));
+  PetscCall(PetscFree3(names, kinds, ids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -54,11 +56,15 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
 */
 PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
 {
-  const int free_surface = SceneHasFreeSurface(scene) ? 1 : 0;
-  double    box[2 * ISPH_MAX_DIM];
-  char      shapes[SCENE_MAX_BOUNDARIES * KIND_NAME] = "", name[WALL_NAME + 8];
+  const int    free_surface = SceneHasFreeSurface(scene) ? 1 : 0;
+  const size_t size         = (size_t)scene->n_bodies * KIND_NAME + 1;
+  double       box[2 * ISPH_MAX_DIM], *numbers;
+  char         name[WALL_NAME + 8], *shapes;
+  PetscInt     most = 1;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) most = PetscMax(most, SceneBody(scene, k)->n);
+  PetscCall(PetscCalloc2(size, &shapes, most, &numbers));
   for (PetscInt a = 0; a < scene->dim; a++) {
     box[a]              = (double)scene->lo[a];
     box[scene->dim + a] = (double)scene->hi[a];
@@ -69,11 +75,10 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     const Body  *body    = SceneBody(scene, k);
     const int    around  = body->around ? 1 : 0;
     const double ends[2] = {(double)body->ends[0], (double)body->ends[1]};
-    double       numbers[2 * BODY_PARAMETERS];
 
     for (PetscInt c = 0; c < body->n; c++) numbers[c] = (double)body->parameter[c];
-    if (k) PetscCall(PetscStrlcat(shapes, ",", sizeof(shapes)));
-    PetscCall(PetscStrlcat(shapes, body->shape->name, sizeof(shapes)));
+    if (k) PetscCall(PetscStrlcat(shapes, ",", size));
+    PetscCall(PetscStrlcat(shapes, body->shape->name, size));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d", (int)k + 1));
     PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, body->n, numbers));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d_around", (int)k + 1));
@@ -83,6 +88,7 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, 2, ends));
   }
   PetscCall(Hdf5WriteText(file, "/", "body_shapes", shapes));
+  PetscCall(PetscFree2(shapes, numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

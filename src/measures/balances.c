@@ -280,9 +280,10 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
   const PetscReal box   = (scene->hi[0] - scene->lo[0]) * (scene->hi[1] - scene->lo[1]) *
                         (scene->dim == 3 ? scene->hi[2] - scene->lo[2] : 1.0);
   Ledger l = {.volume = FirstOpenAxis(scene) < scene->dim ? 0.0 : box};
-  Loads  of[SCENE_MAX_BOUNDARIES];
+  Loads *of;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &of));
   for (PetscInt a = 0; a < scene->dim; a++) l.middle[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
   for (PetscInt side = 0; side < n; side++) {
     of[side].s.n = 0;
@@ -301,6 +302,7 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
     PetscCall(PetscFree(of[side].u));
     PetscCall(FacetsFree(&of[side].s));
   }
+  PetscCall(PetscFree(of));
   if (l.area == 0.0 || flow->clock->step == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AddFluid(flow, &l));
   AddEdges(scene, flow->clock->t, &l);

@@ -55,7 +55,7 @@ static PetscReal WallConductance(const Flow *flow, PetscInt i)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  WallPlane        planes[SCENE_MAX_BOUNDARIES];
+  WallPlane        planes[WALL_PLANES];
   PetscReal        x[ISPH_MAX_DIM] = {0.0}, sum = 0.0;
   PetscInt         n = 0;
 

@@ -202,7 +202,8 @@ static PetscErrorCode PlaceWeights(PetscInt i, Operators *ops)
 }
 
 /* Makes room in the workspace for the longest row. */
-static PetscErrorCode ReserveWork(const Particles *p, const Neighbors *nb, Operators *ops)
+static PetscErrorCode ReserveWork(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                  Operators *ops)
 {
   const PetscInt width   = ops->velocity[0].visc.width;
   Assembly      *work    = ops->work;
@@ -214,10 +215,10 @@ static PetscErrorCode ReserveWork(const Particles *p, const Neighbors *nb, Opera
   if (ops->rows.fitted) PetscCall(FittedReserve(p, longest, ops->rows.fitted));
   if (longest <= work->slot_capacity) PetscFunctionReturn(PETSC_SUCCESS);
   work->slot_capacity = 2 * longest;
-  PetscCall(PetscFree4(work->slot, work->w, work->m, work->wall_w));
-  PetscCall(PetscMalloc4(4 * work->slot_capacity, &work->slot, work->slot_capacity * width,
+  PetscCall(PetscFree5(work->slot, work->w, work->m, work->wall_w, work->excess));
+  PetscCall(PetscMalloc5(4 * work->slot_capacity, &work->slot, work->slot_capacity * width,
                          &work->w, work->slot_capacity, &work->m, work->slot_capacity * width,
-                         &work->wall_w));
+                         &work->wall_w, SceneBoundaries(scene), &work->excess));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(PetscFree(work->g[a]));
     PetscCall(PetscMalloc1(work->slot_capacity, &work->g[a]));
@@ -246,7 +247,6 @@ static PetscErrorCode BeginPattern(const Particles *p, const Neighbors *nb, Oper
     PetscCall(PetscMalloc1(rows->rows_capacity, &rows->apart));
   }
   rows->n_apart = 0;
-  PetscCall(ReserveWork(p, nb, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -311,6 +311,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscInt       capacity;
 
   PetscFunctionBegin;
+  PetscCall(ReserveWork(scene, p, nb, ops));
   PetscCall(BeginPattern(p, nb, ops, needed, count));
   PetscCall(ChooseWeights(scene, p, nb, ops, &capacity));
   PetscCall(ReserveWeights(capacity, ops->rows.walls.capacity, needed, count, &ops->rows));

@@ -286,7 +286,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(StrainDestroy(&ops->strain));
   PetscCall(PetscFree(ops->free));
-  PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
+  PetscCall(PetscFree5(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w,
+                       ops->work->excess));
   for (PetscInt l = 0; l < MLS_BATCH; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));

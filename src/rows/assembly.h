@@ -20,6 +20,7 @@ struct Assembly {
   PetscReal *g[ISPH_MAX_DIM];  /* weights of a gradient */
   PetscReal *m;                /* weights of normal components in a divergence */
   PetscReal *wall_w;           /* weights of wall data, see wall_points.c */
+  PetscReal *excess;           /* sum of them on each boundary */
   PetscInt   slot_capacity;    /* number of neighbours that the arrays can hold */
 };
 

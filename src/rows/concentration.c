@@ -139,7 +139,7 @@ static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
   PetscReal nearest = st->kind == SURFACE_SMOOTH ? 0.0 : st->radius;
   PetscInt  which   = -1;
 
-  if (!st->beside_smooth_surface || *n == SCENE_MAX_BOUNDARIES) return;
+  if (!st->beside_smooth_surface || *n == WALL_PLANES) return;
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->surface[k] || st->r[k] >= nearest) continue;
     nearest = st->r[k];
@@ -227,7 +227,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
                       PetscReal gradient[])
 {
   PetscReal sum[ISPH_MAX_DIM] = {0.0}, stretched = 1.0;
-  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  WallPlane planes[WALL_PLANES];
   PetscInt  n_planes = 0;
 
   SumNeighbors(st, mirrored, concentration, sum);

@@ -57,12 +57,13 @@ static const char *NextWord(char **next)
 /* Refuses a file whose run had other kinds of boundaries; SceneShapes() compares bodies. */
 static PetscErrorCode CheckKinds(const Scene *scene, const char path[], Hdf5File *file)
 {
-  char  kinds[SCENE_MAX_BOUNDARIES * KIND_NAME], name[WALL_NAME];
-  char *next = kinds;
+  const size_t size = (size_t)SceneBoundaries(scene) * KIND_NAME;
+  char         name[WALL_NAME], *kinds, *next;
 
   PetscFunctionBegin;
-  PetscCall(Hdf5ReadText(file, "boundary_kinds", kinds, sizeof(kinds)));
-  if (file->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(size, &kinds));
+  PetscCall(Hdf5ReadText(file, "boundary_kinds", kinds, size));
+  next = file->failed ? kinds + strlen(kinds) : kinds;
   for (PetscInt side = 0; side < SceneBoundaries(scene) && *next; side++) {
     const char *stored = NextWord(&next), *own = scene->boundary[side].kind->name;
     PetscBool   same;
@@ -74,6 +75,7 @@ static PetscErrorCode CheckKinds(const Scene *scene, const char path[], Hdf5File
               "options",
               path, name, stored, own);
   }
+  PetscCall(PetscFree(kinds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHAPE_TEXT   2048     /* room for BODY_PARAMETERS numbers with all their digits */
+#define BEYOND       16       /* numbers tried behind the last */
 #define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
 
 /* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
@@ -21,36 +21,53 @@ void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH]
   OptionFill(pattern, number, name, row);
 }
 
-/* Reads the name of a shape of a table and its numbers, as "circle,0.5,0.5,0.25". */
-static PetscErrorCode ReadShape(const Scene *scene, const Table *table, const char option[],
+/* Reads the numbers of a shape, separated by commas. */
+static PetscErrorCode ReadNumbers(Scene *scene, const ShapeRow *shape, const char option[],
+                                  const char text[], Body *body)
+{
+  const char *wrong, *next = *text ? text : NULL;
+  PetscReal  *number;
+  PetscInt    n = 0;
+  char       *end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(strlen(text) + 1, &number));
+  while (next) {
+    number[n] = strtod(next, &end);
+    end += strspn(end, " ");
+    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is required at '%.40s'", option,
+              next);
+    UserCheck(!PetscIsInfOrNanReal(number[n]), "%s: its numbers must be finite", option);
+    n++;
+    next = *end ? end + 1 : NULL;
+  }
+  UserCheck(n >= shape->fewest && (n <= shape->most || !shape->most), "%s: a %s is %s", option,
+            shape->name, shape->brief);
+  wrong = BodySet(scene, shape, n, number, body);
+  UserCheck(!wrong, "%s: %s", option, wrong);
+  PetscCall(PetscFree(number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the name of a shape of a table and its numbers, as "circle,0.5,0.5,0.25", or its text. */
+static PetscErrorCode ReadShape(Scene *scene, const Table *table, const char option[],
                                 const char text[], Body *body)
 {
   const ShapeRow *shape;
-  const char     *wrong;
-  PetscReal       number[BODY_PARAMETERS];
-  PetscInt        n = 0;
-  char            word[SHAPE_TEXT], *next, *end;
+  const size_t    length = strcspn(text, ",");
+  char            word[KIND_NAME];
 
   PetscFunctionBegin;
-  UserCheck(strlen(text) < SHAPE_TEXT - 1, "%s: it is longer than %d characters", option,
-            SHAPE_TEXT - 2);
-  PetscCall(PetscStrncpy(word, text, sizeof(word)));
-  next = strchr(word, ',');
-  if (next) *next++ = '\0';
+  PetscCall(PetscStrncpy(word, text, PetscMin(length + 1, sizeof(word))));
   PetscCall(TableWant(table, option, word, &shape));
-  while (next && n < BODY_PARAMETERS) {
-    number[n++] = strtod(next, &end);
-    end += strspn(end, " ");
-    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is required at '%s'", option,
-              next);
-    next = *end ? end + 1 : NULL;
+  text += text[length] ? length + 1 : length;
+  if (shape->Read) {
+    *body = (Body){.shape = shape, .store = &scene->store};
+    PetscCall(shape->Read(option, text, body));
+    BodySetBox(body);
+  } else {
+    PetscCall(ReadNumbers(scene, shape, option, text, body));
   }
-  UserCheck(!next && n >= shape->fewest && n <= shape->most, "%s: a %s is %s", option, shape->name,
-            shape->brief);
-  for (PetscInt k = 0; k < n; k++)
-    UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
-  wrong = BodySet(scene, shape, n, number, body);
-  UserCheck(!wrong, "%s: %s", option, wrong);
   UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
             "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
             option, SHAPE_POINTS);
@@ -59,15 +76,16 @@ static PetscErrorCode ReadShape(const Scene *scene, const Table *table, const ch
 
 /* ShapeRead - Reads the shape of item k of an option pattern; collective. Output: given - the user
    gave the option */
-PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
+PetscErrorCode ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
                          PetscBool *given)
 {
-  char      name[OPTION_LENGTH], text[SHAPE_TEXT];
-  OptionRow row;
+  char        name[OPTION_LENGTH];
+  const char *text;
+  OptionRow   row;
 
   PetscFunctionBegin;
   OptionNumber(pattern, k, name, &row);
-  PetscCall(OptionGetText(&row, sizeof(text), text, given));
+  PetscCall(OptionTyped(name, &text, given));
   if (*given)
     PetscCall(ReadShape(scene, scene->dim == 3 ? row.table_3d : row.table, name, text, body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,23 +93,25 @@ PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt 
 
 /* ShapeReadPlane - Reads a shape of the plane, also in 3D; collective. Output: given - the user
    gave the option */
-PetscErrorCode ShapeReadPlane(const Scene *scene, const OptionRow *row, Body *body,
-                              PetscBool *given)
+PetscErrorCode ShapeReadPlane(Scene *scene, const OptionRow *row, Body *body, PetscBool *given)
 {
-  char text[SHAPE_TEXT];
+  const char *text;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetText(row, sizeof(text), text, given));
+  PetscCall(OptionTyped(row->name, &text, given));
   if (*given) PetscCall(ReadShape(scene, &ShapeTable, row->name, text, body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ShapeCheckNumbers - Ends the run if an option of this pattern has a number other than 1, 2, ...,
-   n; collective */
+   n, at most `most`, 0: any number; much larger ones are options that nothing reads; collective */
 PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most)
 {
+  char at_most[32] = "";
+
   PetscFunctionBegin;
-  for (PetscInt k = 0; k <= most + 1; k++) {
+  if (most) (void)snprintf(at_most, sizeof(at_most), ", to at most %" PetscInt_FMT, most);
+  for (PetscInt k = 0; k <= PetscMax(most, n + BEYOND) + 1; k++) {
     char      name[OPTION_LENGTH];
     OptionRow row;
     PetscBool given;
@@ -100,9 +120,8 @@ PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt 
     OptionNumber(pattern, k, name, &row);
     PetscCall(OptionGiven(name, &given));
     UserCheck(!given,
-              "%s: numbers are 1, 2, ... without gaps, to at most %" PetscInt_FMT "; %" PetscInt_FMT
-              " of them are given",
-              name, most, n);
+              "%s: numbers are 1, 2, ... without gaps%s; %" PetscInt_FMT " of them are given", name,
+              at_most, n);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,20 +133,19 @@ PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt 
   centroid of its area or volume. The scene gives the ends of prisms in 3D. Returns: NULL, or a
   message about the wrong numbers.
 */
-const char *BodySet(const Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
+const char *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
                     Body *body)
 {
-  *body = (Body){.shape = shape, .n = n};
-  for (PetscInt k = 0; k < n; k++) body->parameter[k] = number[k];
+  *body = (Body){.shape = shape};
   for (PetscInt end = 0; end < 2 && shape->outline; end++)
     body->ends[end] = end ? scene->hi[2] : scene->lo[2];
   body->centre[2] = 0.5 * (body->ends[0] + body->ends[1]);
-  return shape->Prepare(body);
+  return BodyNumbers(shape, n, number, &scene->store, body);
 }
 
 /* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y), in 3D to a cylinder along z
    [m]; not collective */
-void BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
+void BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
 {
   const PetscReal number[3] = {x, y, r};
 
@@ -135,7 +153,7 @@ void BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body 
 }
 
 /* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m]; not collective */
-void BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
+void BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
 {
   PetscReal number[ISPH_MAX_DIM + 1];
 
@@ -144,10 +162,10 @@ void BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *b
   (void)BodySet(scene, scene->dim == 3 ? &ShapeBall : &ShapeCircle, scene->dim + 1, number, body);
 }
 
-/* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m], in 3D to the body that it
+/* BodyPolygon - Sets a body to a polygon with 3 or more corners x, y [m], in 3D to the body that it
    makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault; not
    collective */
-const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
+const char *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
 {
   return BodySet(scene, scene->dim == 3 ? &ShapeRevolved : &ShapePolygon, 2 * corners, x, body);
 }
@@ -161,12 +179,13 @@ const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
 
 /*
   Returns the signed distance of x from the nearest periodic image of a body, positive outside its
-  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, so that its
+  outline, also for a body around the fluid [m]; one that is certainly larger than `most` may be any
+  larger number, without outputs. Output: y - x shifted by periods, so that its
   position relative to the body is the position of x relative to that image; normal - out of the
   outline.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
-                              PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
+                              PetscReal most, PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
 {
   PetscReal base[ISPH_MAX_DIM] = {0.0}, step[ISPH_MAX_DIM] = {0.0}, best = PETSC_INFINITY;
   PetscInt  periodic = 0; /* bits of the axes along which there are images */
@@ -188,7 +207,7 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
 
     if (image & ~periodic) continue;
     for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) z[a] = base[a] + (image >> a & 1) * step[a];
-    distance = body->shape->Distance(body, z, n);
+    distance = BodyWithin(body, z, PetscMin(most, best), n);
     if (distance >= best) continue;
     best = distance;
     for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
@@ -208,7 +227,7 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 {
   PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-  (void)NearestImage(scene, body, x, y, normal);
+  (void)NearestImage(scene, body, x, PETSC_INFINITY, y, normal);
   for (PetscInt a = 0; a < 2; a++) arm[a] = y[a] - body->centre[a];
 }
 
@@ -221,8 +240,17 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
 {
+  return BodyDistanceWithin(scene, body, x, PETSC_INFINITY, normal);
+}
+
+/* BodyDistanceWithin - Returns BodyDistance(), or any number larger than `most`, without a normal,
+   if the distance is certainly larger [m]; not collective */
+PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
+                             PetscReal most, PetscReal normal[])
+{
   PetscReal       y[ISPH_MAX_DIM];
-  const PetscReal distance = NearestImage(scene, body, x, y, normal);
+  const PetscReal bound    = body->around ? PETSC_INFINITY : most;
+  const PetscReal distance = NearestImage(scene, body, x, bound, y, normal);
 
   if (!body->around) return distance;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = -normal[a];

@@ -57,9 +57,32 @@ const OptionTable BoundaryOptions = OPTIONS_ELSEWHERE("Sides of typed scenes", o
 const char *const BoxAxes[]  = {"x", "y", "z", NULL};
 const char *const BoxSides[] = {"left", "right", "bottom", "top", "back", "front", NULL};
 
+/* Reserves room for the sides of the box and n boundaries; ends the run if there is no memory. */
+static void Reserve(Scene *scene, PetscInt n)
+{
+  const PetscInt had = scene->boundary_capacity, sides = 2 * ISPH_MAX_DIM;
+
+  if (n <= had && had) return;
+  scene->boundary_capacity = PetscMax(2 * n, sides + 2);
+  PetscCallAbort(
+      PETSC_COMM_SELF,
+      PetscRealloc(sizeof(*scene->boundary) * (size_t)scene->boundary_capacity, &scene->boundary));
+  (void)PetscArrayzero(scene->boundary + had, scene->boundary_capacity - had);
+}
+
+/* SceneFreeShapes - Frees the boundaries and the memory of all shapes of a scene; not collective */
+PetscErrorCode SceneFreeShapes(Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(scene->boundary));
+  PetscCall(BodyStoreFree(&scene->store));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SceneSetSide - Sets the kind of one side of the box; not collective */
 void SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind)
 {
+  Reserve(scene, side + 1);
   scene->boundary[side].kind = kind;
 }
 
@@ -75,13 +98,15 @@ void SceneSetSides(Scene *scene, const BoundaryRow *kind)
   for (PetscInt a = 0; a < scene->dim; a++) SceneSetAxis(scene, a, kind);
 }
 
-/* SceneAddBody - Adds a body that is a wall at rest; returns its boundary; not collective */
+/* SceneAddBody - Adds a body that is a wall at rest; returns its boundary, valid until the next is
+   added; not collective */
 Boundary *SceneAddBody(Scene *scene)
 {
-  Boundary *boundary = &scene->boundary[SceneBodySide(scene, scene->n_bodies++)];
+  const PetscInt side = SceneBodySide(scene, scene->n_bodies++);
 
-  *boundary = (Boundary){.kind = &BoundaryWall};
-  return boundary;
+  Reserve(scene, side + 1);
+  scene->boundary[side] = (Boundary){.kind = &BoundaryWall};
+  return &scene->boundary[side];
 }
 
 /* SceneBodySide - Returns the number of body k among the boundaries; not collective */

@@ -18,7 +18,7 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 
   *nearest = -1;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const PetscReal distance = BodyDistance(scene, SceneBody(scene, k), x, n);
+    const PetscReal distance = BodyDistanceWithin(scene, SceneBody(scene, k), x, best, n);
 
     if (distance >= best) continue;
     best     = distance;
@@ -100,7 +100,7 @@ PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscRe
     PetscReal   distance;
 
     if (!BoundaryIs(scene, s, properties)) continue;
-    if (body) distance = BodyDistance(scene, body, x, normal);
+    if (body) distance = BodyDistanceWithin(scene, body, x, best, normal);
     else distance = SceneSideDistance(scene, s, x);
     if (distance >= best) continue;
     best  = distance;
@@ -115,6 +115,22 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
   return SceneDistanceTo(scene, BOUNDARY_PARTICLES, x, side);
 }
 
+/* Adds a plane, in the place of the farthest one if there is no room. */
+static void AddPlane(const WallPlane *plane, WallPlane planes[WALL_PLANES], PetscInt *count)
+{
+  PetscInt place = *count;
+
+  if (*count < WALL_PLANES) {
+    (*count)++;
+  } else {
+    place = 0;
+    for (PetscInt k = 1; k < WALL_PLANES; k++)
+      if (planes[k].distance > planes[place].distance) place = k;
+    if (plane->distance >= planes[place].distance) return;
+  }
+  planes[place] = *plane;
+}
+
 /*
   SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x
 
@@ -126,29 +142,26 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
 - reach - largest distance from x [m]
 
   Output Parameters:
-+ planes - a plane for each boundary within reach
++ planes - a plane for each boundary within reach, of the WALL_PLANES nearest ones if there are more
 - count  - their number
 */
 void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                     WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count)
+                     WallPlane planes[WALL_PLANES], PetscInt *count)
 {
   *count = 0;
   if (!SceneHas(scene, PHYSICS_WALLS)) return;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    const Body    *body  = BoundaryBody(scene, side);
-    const PetscInt a     = side / 2;
-    WallPlane     *plane = &planes[*count];
+    const Body *body  = BoundaryBody(scene, side);
+    WallPlane   plane = {.side = side};
 
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    plane->side = side;
     if (body) {
-      plane->distance = BodyDistance(scene, body, x, plane->normal);
+      plane.distance = BodyDistanceWithin(scene, body, x, reach, plane.normal);
     } else {
-      plane->distance = SceneSideDistance(scene, side, x);
-      for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
-      plane->normal[a] = side % 2 ? -1.0 : 1.0;
+      plane.distance         = SceneSideDistance(scene, side, x);
+      plane.normal[side / 2] = side % 2 ? -1.0 : 1.0;
     }
-    if (plane->distance < reach) (*count)++;
+    if (plane.distance < reach) AddPlane(&plane, planes, count);
   }
 }
 
@@ -156,7 +169,7 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
    particles, or behind it, to this distance, except where fluid leaves at time t; not collective */
 void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[])
 {
-  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  WallPlane planes[WALL_PLANES];
   PetscInt  n;
 
   SceneWallPlanes(scene, x, least, planes, &n);

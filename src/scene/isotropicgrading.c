@@ -96,7 +96,8 @@ static PetscReal EvenSpacing(const Scene *scene, PetscInt side)
    on it must be even; not collective */
 PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 {
-  return scene->dim == 2 || scene->grading.even[side] > 0.0;
+  if (scene->dim == 2) return PETSC_TRUE;
+  return !BoundaryBody(scene, side) && scene->grading.even[side] > 0.0;
 }
 
 /*

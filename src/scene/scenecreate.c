@@ -416,6 +416,7 @@ PetscErrorCode SceneDestroy(Scene **scene)
   PetscFunctionBegin;
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
   PetscCall(PetscFree((*scene)->regime));
+  PetscCall(SceneFreeShapes(*scene));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

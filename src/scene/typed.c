@@ -203,7 +203,7 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
 static PetscErrorCode ReadBodies(Scene *scene)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
+  for (PetscInt k = 1; PETSC_TRUE; k++) {
     Boundary *boundary;
     Body      body;
     char      name[OPTION_LENGTH];
@@ -229,7 +229,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
       SceneSetSide(scene, side, &BoundaryNone);
     }
   }
-  PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
+  PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -217,13 +217,12 @@ PetscErrorCode SceneCheckInflow(Scene *scene, PetscReal t)
 
 /* Finds the gaps between the border of region k and the boundaries: least[side], infinite where the
    border reaches the boundary or has no neighbour of much lower viscosity. */
-static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[SCENE_MAX_BOUNDARIES])
+static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[])
 {
-  const Body     *region                        = &scene->region[k];
-  const PetscReal spacing                       = BodySpacing(scene, region);
-  PetscBool       reaches[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
+  const Body     *region  = &scene->region[k];
+  const PetscReal spacing = BodySpacing(scene, region);
 
-  for (PetscInt s = 0; s < SCENE_MAX_BOUNDARIES; s++) least[s] = PETSC_INFINITY;
+  for (PetscInt s = 0; s < SceneBoundaries(scene); s++) least[s] = PETSC_INFINITY;
   for (PetscInt q = 0; q < BodyPoints(region, spacing); q++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], beyond[ISPH_MAX_DIM], gap;
     PetscInt  side;
@@ -231,14 +230,14 @@ static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[SCENE_MAX_
     (void)BodyPoint(region, q, spacing, x, normal);
     gap = SceneFluidDistance(scene, x, &side);
     if (side < 0) continue;
-    if (gap <= SCENE_ON_SURFACE * scene->dx) reaches[side] = PETSC_TRUE;
+    if (gap <= SCENE_ON_SURFACE * scene->dx) least[side] = -PETSC_INFINITY; /* no film */
     for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
       beyond[a] = x[a] + 0.5 * PetscMax(gap, 0.0) * normal[a];
     if (scene->region_nu[k] > STIFF * SceneViscosityAt(scene, beyond))
       least[side] = PetscMin(least[side], gap);
   }
-  for (PetscInt s = 0; s < SCENE_MAX_BOUNDARIES; s++)
-    if (reaches[s]) least[s] = PETSC_INFINITY;
+  for (PetscInt s = 0; s < SceneBoundaries(scene); s++)
+    if (least[s] == -PETSC_INFINITY) least[s] = PETSC_INFINITY;
 }
 
 /*
@@ -251,10 +250,11 @@ static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[SCENE_MAX_
 */
 PetscErrorCode SceneCheckFluids(const Scene *scene)
 {
-  PetscReal least[SCENE_MAX_BOUNDARIES];
-  char      name[WALL_NAME];
+  PetscReal *least;
+  char       name[WALL_NAME];
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(SceneBoundaries(scene), &least));
   for (PetscInt k = 0; k < scene->n_regions; k++) {
     FluidGaps(scene, k, least);
     for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
@@ -266,5 +266,6 @@ PetscErrorCode SceneCheckFluids(const Scene *scene)
                 k + 1, (double)least[side], name, (double)SceneCoarsest(scene));
     }
   }
+  PetscCall(PetscFree(least));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

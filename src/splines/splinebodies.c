@@ -90,8 +90,10 @@ static PetscErrorCode AddCell(const SplineLattice *l, PetscInt cell, PetscInt n,
     PetscCall(AddPolygon(4, corners, centre, base, area, s));
   }
   for (PetscInt k = 0; k < n; k++) {
-    PetscInt m = OutlineClip(outline[k].n, outline[k].x, 0, 1.0, lo[0], work[0]);
+    PetscInt m;
 
+    if (OutlineIsApart(&outline[k], lo, hi)) continue;
+    m = OutlineClip(outline[k].n, outline[k].x, 0, 1.0, lo[0], work[0]);
     m = OutlineClip(m, work[0], 0, -1.0, hi[0], work[1]);
     m = OutlineClip(m, work[1], 1, 1.0, lo[1], work[0]);
     m = OutlineClip(m, work[0], 1, -1.0, hi[1], work[1]);
@@ -284,11 +286,12 @@ static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
 {
   const Scene    *scene   = l->scene;
   const PetscReal spacing = 0.25 * PetscMin(l->side[0], l->side[1]);
-  Outline         outline[9 * SCENE_MAX_BODIES];
+  Outline        *outline;
   PetscReal       base = 1.0;
   PetscInt        n    = 0;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(9 * scene->n_bodies, &outline));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body = SceneBody(scene, k);
 
@@ -298,11 +301,16 @@ static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
 
       if (!ImageShift(scene, image, shift)) continue;
       PetscCall(OutlineCreate(body, spacing, shift, &outline[n]));
+      if (OutlineIsApart(&outline[n], scene->lo, scene->hi)) {
+        PetscCall(PetscFree(outline[n].x));
+        continue;
+      }
       PetscCall(DivideOutline(l, &outline[n++], SceneBodySide(scene, k), s));
     }
   }
   PetscCall(SetCells(scene, l, n, outline, base, s));
   for (PetscInt k = 0; k < n; k++) PetscCall(PetscFree(outline[k].x));
+  PetscCall(PetscFree(outline));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -30,7 +30,7 @@ typedef struct {
   PetscReal distance[NODES * NODES * NODES]; /* [m] */
   PetscReal fluid[MOMENTS];
   PetscInt  n_patches;
-  Patch     patch[SCENE_MAX_BOUNDARIES];
+  Patch     patch[WALL_PLANES];
 } Cell;
 
 /* Adds the moments of a point. */
@@ -138,6 +138,7 @@ static Patch *PatchOf(PetscInt side, Cell *cell)
   Patch *patch = cell->patch;
 
   while (patch < cell->patch + cell->n_patches && patch->side != side) patch++;
+  if (patch == cell->patch + WALL_PLANES) return patch - 1; /* of many boundaries in a cell */
   if (patch == cell->patch + cell->n_patches) {
     *patch = (Patch){.side = side};
     cell->n_patches++;

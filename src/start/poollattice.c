@@ -11,7 +11,6 @@
 #define NEAR       1e-6 /* distance of lines that are the same [dx] */
 #define BODY_CLEAR 0.4  /* least distance from bodies [dx] */
 #define WALL_CLEAR 0.3  /* of displaced particles from walls [dx] */
-#define LINES_MOST (SCENE_MAX_FILLED * BODY_PARAMETERS / 2 + 2)
 
 /* The lattice along an axis: places of particles, and ends of their cells [m]. */
 typedef struct {
@@ -34,27 +33,35 @@ static PetscReal Offset(const Scene *scene, PetscInt axis, PetscReal line)
   return 0.0;
 }
 
-/* Computes the lines across an axis that bound the regions of a pool, in ascending order; returns
-   their number, 0 if a border is no line along an axis. */
-static PetscInt PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, PetscReal line[])
+/* Computes the lines across an axis that bound the regions of a pool, in ascending order, which the
+   caller frees. Output: count - their number, 0 if a border is no line along an axis. */
+static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, PetscInt *count,
+                                PetscReal **lines)
 {
   const Scene *scene = pools->scene;
-  PetscInt     n = 0, kept = 0;
+  PetscInt     n = 0, kept = 0, room = 0;
+  PetscReal   *line;
 
+  PetscFunctionBegin;
+  *count = 0;
+  for (PetscInt k = 0; k < scene->n_filled; k++) room += PetscMax(2, scene->filled[k].n / 2);
+  PetscCall(PetscMalloc1(room, lines));
+  line = *lines;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
-    PetscInt lines;
+    PetscInt more;
 
     if (pools->of[k] != pool) continue;
-    lines = BodyLines(&scene->filled[k], axis, &line[n]);
-    if (!lines) return 0;
-    n += lines;
+    more = BodyLines(&scene->filled[k], axis, &line[n]);
+    if (!more) PetscFunctionReturn(PETSC_SUCCESS);
+    n += more;
   }
   for (PetscInt l = 0; l < n; l++)
     line[l] = PetscMin(PetscMax(line[l], scene->lo[axis]), scene->hi[axis]);
-  if (PetscSortReal(n, line)) return 0;
+  PetscCall(PetscSortReal(n, line));
   for (PetscInt l = 0; l < n; l++)
     if (!kept || line[l] - line[kept - 1] > NEAR * scene->dx) line[kept++] = line[l];
-  return kept;
+  *count = kept;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns the number of particles from one line to the next, those on the lines included; computes
@@ -70,33 +77,37 @@ static PetscInt CountBetween(const Scene *scene, PetscInt axis, const PetscReal 
   return n;
 }
 
-/* PoolHasLattice - Returns true if lines along the axes bound a pool, and if cells of about dx fit
+/* PoolHasLattice - Finds out if lines along the axes bound a pool, and if cells of about dx fit
    between them; not collective */
-PetscBool PoolHasLattice(const Pools *pools, PetscInt pool)
+PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has)
 {
   const Scene *scene = pools->scene;
 
+  PetscFunctionBegin;
+  *has = PETSC_TRUE;
   for (PetscInt axis = 0; axis < scene->dim; axis++) {
-    PetscReal      line[LINES_MOST], edge;
-    const PetscInt n = PoolLines(pools, pool, axis, line);
+    PetscReal *line, edge;
+    PetscInt   n;
 
-    if (n < 2) return PETSC_FALSE;
+    PetscCall(PoolLines(pools, pool, axis, &n, &line));
+    if (n < 2) *has = PETSC_FALSE;
     for (PetscInt l = 0; l + 1 < n; l++) {
       (void)CountBetween(scene, axis, &line[l], &edge);
-      if (edge < EDGE_LEAST * scene->dx || edge > EDGE_MOST * scene->dx) return PETSC_FALSE;
+      if (edge < EDGE_LEAST * scene->dx || edge > EDGE_MOST * scene->dx) *has = PETSC_FALSE;
     }
+    PetscCall(PetscFree(line));
   }
-  return PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, PoolAxis *axis)
 {
-  const Scene   *scene = pools->scene;
-  PetscReal      line[LINES_MOST], edge;
-  const PetscInt lines = PoolLines(pools, pool, a, line);
-  PetscInt       room  = 0;
+  const Scene *scene = pools->scene;
+  PetscReal   *line, edge;
+  PetscInt     lines, room = 0;
 
   PetscFunctionBegin;
+  PetscCall(PoolLines(pools, pool, a, &lines, &line));
   for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(scene, a, &line[l], &edge);
   PetscCall(PetscMalloc2(room, &axis->place, room + 1, &axis->end));
   axis->n = 0;
@@ -109,6 +120,7 @@ static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, 
   axis->end[0] = line[0];
   for (PetscInt k = 1; k < axis->n; k++) axis->end[k] = 0.5 * (axis->place[k - 1] + axis->place[k]);
   axis->end[axis->n] = line[lines - 1];
+  PetscCall(PetscFree(line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

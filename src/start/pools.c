@@ -228,7 +228,7 @@ PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
   JoinRegions(scene, pools);
   for (PetscInt pool = 0; pool < pools->n; pool++) {
     PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
-    pools->lattice[pool] = PoolHasLattice(pools, pool);
+    PetscCall(PoolHasLattice(pools, pool, &pools->lattice[pool]));
     if (pools->lattice[pool]) lattices = PETSC_TRUE;
     else pools->relaxed = PETSC_TRUE;
   }

@@ -55,7 +55,7 @@ static void AddImage(PetscInt dim, const WallPlane *plane, const PetscReal X[], 
    velocity. */
 static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscInt i)
 {
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
+  WallPlane       planes[WALL_PLANES];
   const PetscReal zero[ISPH_MAX_DIM] = {0.0};
   PetscReal       x[ISPH_MAX_DIM];
   PetscInt        n_planes;

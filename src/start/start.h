@@ -95,7 +95,7 @@ PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
 PetscErrorCode RowsDestroy(Rows *rows);
 
 /* poollattice.c */
-PetscBool      PoolHasLattice(const Pools *pools, PetscInt pool);
+PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has);
 PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows);
 
 /* border.c */

@@ -30,7 +30,7 @@ static PetscReal RowHeight(const Scene *scene, const PetscReal foot[], const Pet
 /* RowsHold - Returns true if x is in the bands of the rows of any wall; not collective */
 PetscBool RowsHold(const Scene *scene, const PetscReal x[])
 {
-  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  WallPlane planes[WALL_PLANES];
   PetscInt  n;
 
   SceneWallPlanes(scene, x, (GRADING_ROWS + 1) * SceneCoarsest(scene), planes, &n);
@@ -52,7 +52,7 @@ PetscBool RowsHold(const Scene *scene, const PetscReal x[])
 static PetscBool IsNearest(const Scene *scene, const PetscReal x[], PetscInt side, PetscReal height)
 {
   const PetscReal slack = 0.25 * SceneSpacing(scene, x);
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
+  WallPlane       planes[WALL_PLANES];
   PetscInt        n;
 
   SceneWallPlanes(scene, x, height + slack, planes, &n);

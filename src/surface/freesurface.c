@@ -65,7 +65,7 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
 {
   const PetscReal h = kernel->h_over_dx * p->dx[i];
   const PetscInt  d = p->dim;
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
+  WallPlane       planes[WALL_PLANES];
   PetscReal       x[ISPH_MAX_DIM];
   PetscInt        n_planes;
 

@@ -18,7 +18,7 @@
 /* Planes of walls near a particle, and the same planes through the particle, which turn normals. */
 typedef struct {
   PetscInt  n;
-  WallPlane plane[SCENE_MAX_BOUNDARIES], turn[SCENE_MAX_BOUNDARIES];
+  WallPlane plane[WALL_PLANES], turn[WALL_PLANES];
 } Mirrors;
 
 /* Normal equations of a fit of the surface, in units of the radius of the support. */

@@ -60,14 +60,11 @@ static void SideShares(Stencil *st, PetscInt side)
    wall velocity at the wall point of i; not collective */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
-  PetscBool done[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
-
   if (!HasWallPoints(st, ops)) return;
-  for (PetscInt k = 0; k < st->n; k++) {
-    if (!st->wall[k] || done[st->side[k]]) continue;
-    SideShares(st, st->side[k]);
-    done[st->side[k]] = PETSC_TRUE;
-  }
+  for (PetscInt k = 0; k < st->n; k++)
+    if (st->wall[k]) st->share[k] = PETSC_INFINITY; /* not yet computed */
+  for (PetscInt k = 0; k < st->n; k++)
+    if (st->wall[k] && st->share[k] == PETSC_INFINITY) SideShares(st, st->side[k]);
 }
 
 /*
@@ -91,7 +88,7 @@ void WallPointShares(const Operators *ops, Stencil *st)
 const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
                              const PetscReal w[])
 {
-  PetscReal excess[SCENE_MAX_BOUNDARIES] = {0.0}, *b = ops->work->wall_w;
+  PetscReal *excess = ops->work->excess, *b = ops->work->wall_w;
 
   if (!HasWallPoints(st, ops)) return w;
   for (PetscInt e = 0; e < width; e++) {

@@ -64,7 +64,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   if (ExpressionScopeDefine(scene.scope, "nu", scene.nu)) abort();
   SetOptions(text);
   (void)ReadScene(&scene);
-  if (ExpressionScopeDestroy(&scene.scope)) abort();
+  if (ExpressionScopeDestroy(&scene.scope) || SceneFreeShapes(&scene)) abort();
   free(text);
   return 0;
 }

@@ -117,7 +117,7 @@ static PetscErrorCode SetNormalForces(const FreeSurface *free, PetscInt dim, Pet
 static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
 {
   const Particles *p = flow->particles;
-  WallPlane        planes[SCENE_MAX_BOUNDARIES];
+  WallPlane        planes[WALL_PLANES];
   PetscReal        x[ISPH_MAX_DIM];
   PetscInt         n;
 
