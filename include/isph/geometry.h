@@ -13,6 +13,21 @@ typedef struct {
   void   **block;
 } BodyStore;
 
+/*
+  What of a body changes: its place, its motion, and the load of the fluid. State of the run: undone
+  with a step, kept in checkpoints. All members are real numbers. A point y of the body as it was
+  typed, with centre c, is at x + R(turn) (y - c).
+*/
+typedef struct {
+  PetscReal x[ISPH_MAX_DIM];    /* of the centre [m] */
+  PetscReal turn[4];            /* attitude: a unit quaternion, real part first; 1,0,0,0 as typed */
+  PetscReal u[ISPH_MAX_DIM];    /* velocity of the centre [m/s] */
+  PetscReal spin[ISPH_MAX_DIM]; /* angular velocity [rad/s] */
+  PetscReal rate[2][ISPH_MAX_DIM]; /* of both, of a free body [m/s^2], [rad/s^2] */
+  PetscReal force[ISPH_MAX_DIM];   /* of the fluid on the body [N]; in 2D per depth, [N/m] */
+  PetscReal torque[ISPH_MAX_DIM];  /* about the centre [N m]; in 2D [N] */
+} Pose;
+
 /* Solid bodies; with `around` the fluid is inside, and the solid surrounds it. */
 typedef struct Body     Body;
 typedef struct ShapeRow ShapeRow;
@@ -49,6 +64,7 @@ struct Body {
   PetscReal       lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* box around the outline [m] */
   PetscReal       ends[2]; /* along z, of a shape with an outline in 3D [m] */
   PetscBool       around;
+  Pose           *pose; /* of a body that moves; NULL: it stays as typed */
 };
 
 PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store);
@@ -57,6 +73,11 @@ const char    *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal nu
                            BodyStore *store, Body *body);
 void           BodySetBox(Body *body);
 PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, PetscReal normal[]);
+void      PoseStart(const Body *body, Pose *pose);
+void      PoseTurn(const Pose *pose, PetscBool back, PetscReal v[ISPH_MAX_DIM]);
+void      PoseInto(const Body *body, PetscReal x[ISPH_MAX_DIM]);
+void      PoseOut(const Body *body, PetscReal x[ISPH_MAX_DIM]);
+void      PoseRotate(const PetscReal angle[ISPH_MAX_DIM], Pose *pose);
 PetscBool BodyReachesThrough(const Body *body, PetscInt axis);
 PetscInt  BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscInt  ShapeRingCount(PetscReal r, PetscReal dx);

@@ -10,6 +10,8 @@ extern const OptionTable MotionOptions;
 
 PetscErrorCode MotionCreate(Flow *flow, unsigned *needs);
 PetscErrorCode FlowMove(Flow *flow);
+PetscErrorCode BodiesMove(Flow *flow);
+PetscErrorCode BodiesRegister(const Scene *scene, Memory *memory);
 
 PetscErrorCode OpeningsCreate(Flow *flow);
 PetscErrorCode OpeningsRegister(Flow *flow);

@@ -78,8 +78,12 @@ extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, Bound
 typedef struct {
   const BoundaryRow *kind;
   Body               body;       /* its geometry; unused by sides of the box */
+  PetscBool          moves;      /* a body that changes its place, see Body.pose */
+  PetscBool          free;       /* it moves by Newton's law: its pose has the motion */
   Expression         velocity;   /* function of place and t on a side, of t on a body [m/s] */
-  Expression         rotation;   /* of a body about its centre, function of t [rad/s] */
+  Expression         rotation;   /* of a body about its centre, function of t: about z, or about
+                                    three axes in 3D [rad/s] */
+  Expression         position;   /* of the centre of a body, function of t; n = 0: not given [m] */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
   Body               hole; /* the same in 3D, in the axes along the side; without shape: all */
@@ -208,6 +212,7 @@ struct Scene {
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary  *boundary;
   PetscInt   n_bodies, boundary_capacity;
+  Pose      *pose;                     /* of each body; NULL: all stay as typed */
   BodyStore  store;                    /* memory of shapes */
   Expression nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
   Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
@@ -314,6 +319,7 @@ Equation       BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity q
 Equation       BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c);
 PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
 PetscBool      SceneHasBoundary(const Scene *scene, unsigned properties);
+void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], PetscReal spin[]);
 const BoundaryRow *SceneSlipKind(const Scene *scene);
 const BoundaryRow *SceneFitKind(const Scene *scene);
 PetscBool          SceneIsClosedBox(const Scene *scene);
@@ -349,7 +355,8 @@ void            BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, 
 void            BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
 const char     *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
-void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
+void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
+                  PetscReal arm[ISPH_MAX_DIM]);
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[]);
 PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],

@@ -63,9 +63,30 @@ PetscReal CapillaryLimit(const Scene *scene)
          PetscSqrtReal(PetscSqr(viscous) + scene->rho * dx * dx * dx / (4.0 * PETSC_PI * sigma));
 }
 
+/* Returns the largest speed of the surface of a body that moves, at time t [m/s]. */
+static PetscReal BodySpeed(const Scene *scene, PetscReal t)
+{
+  PetscReal most = 0.0;
+
+  for (PetscInt k = 0; scene->pose && k < scene->n_bodies; k++) {
+    const PetscInt side = SceneBodySide(scene, k);
+    PetscReal      u[ISPH_MAX_DIM], spin[ISPH_MAX_DIM], u2 = 0.0, spin2 = 0.0;
+
+    if (!scene->boundary[side].moves) continue;
+    BodyMotion(scene, side, t, u, spin);
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+      u2 += PetscSqr(u[a]);
+      spin2 += PetscSqr(spin[a]);
+    }
+    most = PetscMax(most,
+                    PetscSqrtReal(u2) + PetscSqrtReal(spin2) * BoundaryBody(scene, side)->extent);
+  }
+  return most;
+}
+
 /*
-  FlowLimit - Limits the step by advection, by the body force, by surface tension, and by the period
-  of the driving
+  FlowLimit - Limits the step by advection, by bodies that move, by the body force, by surface
+  tension, and by the period of the driving
 
     dt <= C dx/U,   dt <= C/(g |(u_a/e_a)_i|),   dt <= max(sqrt(C e/|f|), C e r/|f|)
 
@@ -87,6 +108,8 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionBegin;
   StepLimitLower(limit, clock->dt_max, "-dt_max");
   StepLimitLower(limit, CapillaryLimit(scene), "surface tension");
+  if (scene->pose)
+    StepLimitLower(limit, way / BodySpeed(scene, clock->t + clock->dt), "the motion of bodies");
   if (!clock->adapt->follows) {
     StepLimitLower(limit, way / scene->speed, "advection with U");
     PetscFunctionReturn(PETSC_SUCCESS);

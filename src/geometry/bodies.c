@@ -78,11 +78,29 @@ PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, Pets
   return body->shape->Distance(body, x, normal);
 }
 
-/* BodySpan - Computes the least and largest coordinate of a body along an axis [m]; not
-   collective */
+/* BodySpan - Computes the least and largest coordinate of a body along an axis [m]; of a body that
+   has turned, those of the box around it that turned with it; not collective */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
+  PetscReal middle[ISPH_MAX_DIM] = {0.0}, reach = 0.0;
+  PetscBool flat; /* it has turned about z at most */
+
   body->shape->Span(body, axis, span);
+  if (!body->pose) return;
+  flat = body->pose->turn[1] == 0.0 && body->pose->turn[2] == 0.0;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscReal side[2], half[ISPH_MAX_DIM] = {0.0};
+
+    if (flat && (a == 2) != (axis == 2)) continue;
+    body->shape->Span(body, a, side);
+    middle[a] = 0.5 * (side[0] + side[1]);
+    half[a]   = 0.5 * (side[1] - side[0]);
+    PoseTurn(body->pose, PETSC_FALSE, half);
+    reach += PetscAbsReal(half[axis]);
+  }
+  PoseOut(body, middle);
+  span[0] = middle[axis] - reach;
+  span[1] = middle[axis] + reach;
 }
 
 /* BodyReachesThrough - Returns true if a body has no surface across an axis: a prism, along z; not
@@ -162,6 +180,8 @@ PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], P
 
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] = normal[a] = 0.0;
   length = body->shape->Point(body, k, dx, x, normal);
+  PoseOut(body, x);
+  if (body->pose) PoseTurn(body->pose, PETSC_FALSE, normal);
   for (PetscInt a = 0; body->around && a < ISPH_MAX_DIM; a++) normal[a] = -normal[a];
   return length;
 }

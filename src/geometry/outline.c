@@ -6,16 +6,14 @@
 PetscErrorCode OutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
                              Outline *o)
 {
-  const ShapeRow *shape = body->shape;
-
   PetscFunctionBegin;
-  o->n    = shape->Count(body, spacing);
+  o->n    = BodyPoints(body, spacing);
   o->sign = body->around ? 1.0 : -1.0;
   PetscCall(PetscCalloc1(2 * o->n, &o->x));
   for (PetscInt k = 0; k < o->n; k++) {
     PetscReal       x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-    const PetscReal half       = 0.5 * shape->Point(body, k, spacing, x, normal);
-    const PetscReal tangent[2] = {-normal[1], normal[0]};
+    const PetscReal half       = 0.5 * BodyPoint(body, k, spacing, x, normal);
+    const PetscReal tangent[2] = {normal[1] * o->sign, -normal[0] * o->sign};
 
     for (PetscInt a = 0; a < 2; a++) {
       o->x[2 * k + a] += 0.5 * (x[a] + shift[a] + half * tangent[a]);

@@ -180,9 +180,8 @@ const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
 /*
   Returns the signed distance of x from the nearest periodic image of a body, positive outside its
   outline, also for a body around the fluid [m]; one that is certainly larger than `most` may be any
-  larger number, without outputs. Output: y - x shifted by periods, so that its
-  position relative to the body is the position of x relative to that image; normal - out of the
-  outline.
+  larger number, without outputs. Output: y - place of x relative to that
+  image, in the body as typed; normal - out of the outline, of the body as it is.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal most, PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
@@ -207,9 +206,11 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
 
     if (image & ~periodic) continue;
     for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) z[a] = base[a] + (image >> a & 1) * step[a];
+    PoseInto(body, z);
     distance = BodyWithin(body, z, PetscMin(most, best), n);
     if (distance >= best) continue;
     best = distance;
+    if (body->pose) PoseTurn(body->pose, PETSC_FALSE, n);
     for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
       y[a]      = z[a];
       normal[a] = n[a];
@@ -219,16 +220,17 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
 }
 
 /*
-  BodyArm - Computes the vector from the centre of a body to x, along x and y [m]
+  BodyArm - Computes the vector from the centre of a body to x [m]
 
   Not collective. In a periodic box the image of the body nearest to x is used.
 */
-void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
+void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[ISPH_MAX_DIM])
 {
-  PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+  PetscReal normal[ISPH_MAX_DIM];
 
-  (void)NearestImage(scene, body, x, PETSC_INFINITY, y, normal);
-  for (PetscInt a = 0; a < 2; a++) arm[a] = y[a] - body->centre[a];
+  (void)NearestImage(scene, body, x, PETSC_INFINITY, arm, normal);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) arm[a] -= body->centre[a];
+  if (body->pose) PoseTurn(body->pose, PETSC_FALSE, arm);
 }
 
 /*

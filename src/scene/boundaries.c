@@ -248,9 +248,33 @@ PetscBool SceneIsClosedBox(const Scene *scene)
 }
 
 /*
+  BodyMotion - Computes the velocity of the centre of a body [m/s] and its angular velocity [rad/s]
+  at time t
+
+  Not collective. A given position gives the velocity by ExpressionRate(). A free body has that of
+  its pose, whatever the time is.
+*/
+void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], PetscReal spin[])
+{
+  const Boundary *boundary = &scene->boundary[side];
+  const PetscReal tau      = scene->length / scene->speed;
+  const PetscBool axes     = boundary->rotation.n > 1;
+
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    u[a]    = boundary->free ? boundary->body.pose->u[a] : 0.0;
+    spin[a] = boundary->free ? boundary->body.pose->spin[a] : 0.0;
+    if (boundary->free) continue;
+    if (a < scene->dim)
+      u[a] = boundary->position.n ? ExpressionRate(&boundary->position, a, t, NULL, tau)
+                                  : ExpressionValue(&boundary->velocity, a, t, NULL);
+    if (axes || a == 2) spin[a] = ExpressionValue(&boundary->rotation, axes ? a : 0, t, NULL);
+  }
+}
+
+/*
   SceneWallVelocity - Computes the velocity of a boundary at a point of its surface [m/s]
 
-    u = V(t) + w(t) z x (x - c)   for a body with centre c,   V(t, x) for a side of the box
+    u = V(t) + w(t) x (x - X)   for a body with centre X,   V(t, x) for a side of the box
 
   Not collective. A case may define the velocities of the sides by a function. An inflow is at rest
   outside its opening; in it the normal velocity is (1 -+ surplus) V, - where it enters, so that no
@@ -261,16 +285,17 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 {
   const Boundary *boundary = &scene->boundary[side];
   const Body     *body     = BoundaryBody(scene, side);
-  PetscReal       r[2], w;
+  PetscReal       r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM];
 
-  for (PetscInt c = 0; c < scene->dim; c++)
-    u[c] = ExpressionValue(&boundary->velocity, c, t, body ? NULL : x);
   if (body) {
-    w = ExpressionValue(&boundary->rotation, 0, t, NULL);
+    BodyMotion(scene, side, t, V, w);
     BodyArm(scene, body, x, r);
-    u[0] -= w * r[1];
-    u[1] += w * r[0];
-  } else if (scene->problem->WallVelocity) {
+    for (PetscInt c = 0; c < scene->dim; c++)
+      u[c] = V[c] + (w[(c + 1) % 3] * r[(c + 2) % 3] - w[(c + 2) % 3] * r[(c + 1) % 3]);
+    return;
+  }
+  for (PetscInt c = 0; c < scene->dim; c++) u[c] = ExpressionValue(&boundary->velocity, c, t, x);
+  if (scene->problem->WallVelocity) {
     scene->problem->WallVelocity(scene, side, t, x, u);
   }
   if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return;
@@ -278,10 +303,33 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   for (PetscInt c = 0; c < scene->dim && !BoundaryIsOpen(scene, side, x); c++) u[c] = 0.0;
 }
 
+/* Computes the rates of the velocity of a body and of its angular velocity at time t. */
+static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a[], PetscReal dw[])
+{
+  const Boundary *boundary = &scene->boundary[side];
+  const PetscReal tau = scene->length / scene->speed, h = 1e-3 * tau, at = PetscMax(t, h);
+  const PetscBool axes = boundary->rotation.n > 1;
+
+  for (PetscInt c = 0; c < scene->dim && boundary->free; c++)
+    a[c] = boundary->body.pose->rate[0][c];
+  for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) {
+    if (boundary->free) dw[c] = boundary->body.pose->rate[1][c];
+    if (boundary->free) continue;
+    dw[c] = axes || c == 2 ? ExpressionRate(&boundary->rotation, axes ? c : 0, t, NULL, tau) : 0.0;
+    if (c >= scene->dim) continue;
+    a[c] = ExpressionRate(&boundary->velocity, c, t, NULL, tau);
+    if (boundary->position.n)
+      a[c] = (ExpressionValue(&boundary->position, c, at + h, NULL) -
+              2.0 * ExpressionValue(&boundary->position, c, at, NULL) +
+              ExpressionValue(&boundary->position, c, at - h, NULL)) /
+             PetscSqr(h);
+  }
+}
+
 /*
   SceneWallAcceleration - Computes the acceleration of a boundary at a point of its surface [m/s^2]
 
-    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)   for a body
+    a = dV/dt + dw/dt x (x - X) + w x (w x (x - X))   for a body
 
   The last term is absent without convection, because the equation of the fluid then has no
   u.grad u either. For a side of the box the result is the normal component of dV/dt, because the
@@ -294,21 +342,21 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   const Boundary *boundary = &scene->boundary[side];
   const Body     *body     = BoundaryBody(scene, side);
   const PetscReal tau      = scene->length / scene->speed;
-  PetscReal       r[2], w, spin;
+  PetscReal       r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], dw[ISPH_MAX_DIM];
 
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (!body) {
     a[side / 2] = ExpressionRate(&boundary->velocity, side / 2, t, x, tau);
     return;
   }
-  w = SceneHas(scene, PHYSICS_CONVECTION) ? ExpressionValue(&boundary->rotation, 0, t, NULL) : 0.0;
-  spin = ExpressionRate(&boundary->rotation, 0, t, NULL, tau);
+  BodyMotion(scene, side, t, V, w);
+  BodyRate(scene, side, t, a, dw);
   BodyArm(scene, body, x, r);
-  for (PetscInt c = 0; c < scene->dim; c++)
-    a[c] =
-        ExpressionRate(&boundary->velocity, c, t, NULL, tau) - (c < 2 ? PetscSqr(w) * r[c] : 0.0);
-  a[0] -= spin * r[1];
-  a[1] += spin * r[0];
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    a[c] += dw[(c + 1) % 3] * r[(c + 2) % 3] - dw[(c + 2) % 3] * r[(c + 1) % 3];
+    for (PetscInt b = 0; b < ISPH_MAX_DIM && SceneHas(scene, PHYSICS_CONVECTION); b++)
+      if (b != c) a[c] += w[c] * w[b] * r[b] - PetscSqr(w[b]) * r[c];
+  }
 }
 
 /*
@@ -358,7 +406,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
                               const PetscReal normal[], const PetscReal u[])
 {
   const Body *body   = BoundaryBody(scene, side);
-  PetscReal   speed2 = 0.0, through = 0.0, arm[2];
+  PetscReal   speed2 = 0.0, through = 0.0, arm[ISPH_MAX_DIM];
 
   if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) return PETSC_INFINITY;
   for (PetscInt a = 0; a < scene->dim; a++) {

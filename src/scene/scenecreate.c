@@ -415,6 +415,7 @@ PetscErrorCode SceneDestroy(Scene **scene)
 {
   PetscFunctionBegin;
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
+  PetscCall(PetscFree((*scene)->pose));
   PetscCall(PetscFree((*scene)->regime));
   PetscCall(SceneFreeShapes(*scene));
   PetscCall(PetscFree(*scene));

@@ -9,6 +9,7 @@ enum {
   WALL_VELOCITY,
   BODY,
   BODY_VELOCITY,
+  BODY_POSITION,
   BODY_ROTATION,
   BODY_AROUND,
   FILLED,
@@ -55,17 +56,29 @@ static const OptionRow options[] = {
         {
             .name     = "-scene_body_<k>_velocity",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] of the surface of a body, of t",
+            .brief    = "velocity u,v[,w] of a body, of t; the body moves if particles move, and "
+                        "else its surface alone has this velocity",
             .unit     = "m/s",
             .standard = "0",
             .where    = "-case scene, bodies that are given",
         },
+    [BODY_POSITION] =
+        {
+            .name  = "-scene_body_<k>_position",
+            .kind  = VALUE_EXPRESSION,
+            .brief = "position x,y[,z] of the centre of a body that moves, of t, in place of its "
+                     "velocity",
+            .unit  = "m",
+            .standard = "from the shape and the velocity",
+            .where    = "-case scene, bodies that are given, particles that move",
+        },
     [BODY_ROTATION] =
         {
-            .name     = "-scene_body_<k>_rotation",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "rotation rate of the surface of a body about its centre, about z, of t",
-            .unit     = "rad/s",
+            .name  = "-scene_body_<k>_rotation",
+            .kind  = VALUE_EXPRESSION,
+            .brief = "rotation rate of a body about its centre, of t: about z, in 3D also about x, "
+                     "y, z",
+            .unit  = "rad/s",
             .standard = "0",
             .where    = "-case scene, bodies that are given",
         },
@@ -155,47 +168,91 @@ static PetscBool IsSteady(const Scene *scene, const Expression *e, PetscInt c)
   return first != 0.0;
 }
 
-/*
-  Refuses a constant surface velocity with a normal component: bodies have fixed positions, so it
-  would carry fluid through the surface. A normal velocity that depends on t is accepted, because it
-  may be an oscillation that is small compared with the body.
-*/
-static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
+/* Returns true if a component of an expression of t is not always zero. */
+static PetscBool IsGiven(const Expression *e)
+{
+  for (PetscInt c = 0; c < e->n; c++)
+    if (e->uses[c] || e->value[c] != 0.0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Refuses a steady motion of a body beside particles that stay where they are: it would carry fluid
+   through the surface. A motion that depends on t may be small compared with the body. */
+static PetscErrorCode CheckSurfaceMotion(const Scene *scene, const Boundary *boundary)
 {
   const Expression *v = &boundary->velocity, *w = &boundary->rotation;
-  const Body       *body = &boundary->body;
 
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++)
     UserCheck(!IsSteady(scene, v, a),
-              "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
-              "surface; allowed are 0, expressions of t for motions small against the body, and "
-              "-without convection",
-              v->option);
-  UserCheck(body->shape->round || !IsSteady(scene, w, 0),
-            "%s: a %s stays as it is, and a steady rotation would carry fluid through its surface; "
-            "allowed are round bodies, expressions of t for small motions, and -without convection",
-            w->option, body->shape->name);
+              "%s with -motion %s: particles stay where they are, and the body with them; a steady "
+              "velocity would carry fluid through its surface; use -motion lagrangian",
+              v->option, scene->motion->name);
+  for (PetscInt c = 0; c < w->n; c++)
+    UserCheck(boundary->body.shape->round || !IsSteady(scene, w, c),
+              "%s with -motion %s: particles stay where they are, and a %s with them; a steady "
+              "rotation would carry fluid through its surface; use -motion lagrangian",
+              w->option, scene->motion->name, boundary->body.shape->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads velocity and rotation of the surface of body k. */
+/* Returns true if the motion of a body changes its place or attitude. */
+static PetscBool ChangesPlace(const Boundary *boundary)
+{
+  const PetscBool turns = boundary->rotation.n > 1 || !boundary->body.shape->round;
+
+  return boundary->position.n || IsGiven(&boundary->velocity) ||
+         (turns && IsGiven(&boundary->rotation));
+}
+
+/* Reads the motion of body k. Bodies move with particles that move; else their surfaces alone. */
 static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundary)
 {
-  char      name[OPTION_LENGTH];
-  OptionRow row;
+  const PetscInt axes = scene->dim == 3 ? 3 : 1;
+  char           name[OPTION_LENGTH];
+  PetscBool      given, placed;
+  OptionRow      row;
 
   PetscFunctionBegin;
   OptionNumber(&options[BODY_VELOCITY], k, name, &row);
   PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME,
-                          &boundary->velocity, NULL));
+                          &boundary->velocity, &given));
+  OptionNumber(&options[BODY_POSITION], k, name, &row);
+  PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME,
+                          &boundary->position, &placed));
+  UserCheck(!given || !placed, "%s and %s: one follows from the other; give one of them",
+            boundary->velocity.option, name);
+  UserCheck(!placed || SceneMoves(scene),
+            "%s: particles stay where they are, and bodies with them; use -motion lagrangian and "
+            "convection",
+            name);
   OptionNumber(&options[BODY_ROTATION], k, name, &row);
-  PetscCall(ExpressionGet(scene->scope, &row, 1, 1, EXPRESSION_TIME, &boundary->rotation, NULL));
+  PetscCall(ExpressionGet(scene->scope, &row, 1, axes, EXPRESSION_TIME, &boundary->rotation, NULL));
+  UserCheck(boundary->rotation.n != 2, "%s: one rate about z, or three about x, y, z", name);
   if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
+      ExpressionUses(&boundary->position, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
     scene->unsteady_walls = PETSC_TRUE;
-  PetscCall(CheckBodyMotion(scene, boundary));
+  boundary->moves = SceneMoves(scene) && ChangesPlace(boundary);
+  if (!boundary->moves) PetscCall(CheckSurfaceMotion(scene, boundary));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives the bodies poses, if one of them moves. */
+static PetscErrorCode CreatePoses(Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    Boundary *boundary = &scene->boundary[SceneBodySide(scene, k)];
+
+    if (!boundary->moves) continue;
+    if (!scene->pose) PetscCall(PetscCalloc1(scene->n_bodies, &scene->pose));
+    boundary->body.pose = &scene->pose[k];
+    PoseStart(&boundary->body, boundary->body.pose);
+    for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
+      scene->pose[k].x[a] = ExpressionValue(&boundary->position, a, 0.0, NULL);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,6 +287,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
     }
   }
   PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, 0));
+  PetscCall(CreatePoses(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -368,8 +426,9 @@ static PetscErrorCode ReadFluids(Scene *scene)
 . -scene_outflow right,...         - sides through which fluid leaves
 . -scene_wall_<side>_velocity u,v  - velocity of a side of the box [m/s] (x, y, t)
 . -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
-. -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
-. -scene_body_<k>_rotation w       - angular velocity of its surface [rad/s] (t)
+. -scene_body_<k>_velocity u,v     - velocity of the body, or of its surface [m/s] (t)
+. -scene_body_<k>_position x,y     - position of its centre, in place of the velocity [m] (t)
+. -scene_body_<k>_rotation w       - angular velocity about its centre [rad/s] (t)
 . -scene_body_<k>_around           - the fluid is inside the body; sides beyond it are no walls
 . -scene_filled_<k> shape,...      - region that the fluid fills at the start [m]
 . -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]

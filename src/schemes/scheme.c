@@ -122,6 +122,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscCall(FlowStateRegister(flow));
   PetscCall(AverageRegister(flow));
   PetscCall(AccelerationRegister(flow));
+  PetscCall(BodiesRegister(flow->scene, &flow->scheme->memory));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));

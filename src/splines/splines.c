@@ -271,7 +271,9 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 
   PetscFunctionBegin;
   if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->epoch != p->epoch) PetscCall(SplinesNumber(p, s)); /* boxes may be new */
+  PetscCall(SplinesFollow(s));
+  if (s->epoch != p->epoch || s->lattice.scene->pose)
+    PetscCall(SplinesNumber(p, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
   s->epoch = p->epoch;

@@ -381,6 +381,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
 PetscErrorCode SplinesBegin(Splines *s);
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
 PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v);
+PetscErrorCode SplinesFollow(Splines *s);
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s);
 PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
                                PetscReal *p);

@@ -249,6 +249,64 @@ static PetscErrorCode AddJumps(Flow *flow, Splines *s, Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the kept numbers of splines that have masters to what these give. When a body that moves
+   leaves such a spline, it begins with this number. */
+static PetscErrorCode KeepSlaves(Splines *s)
+{
+  const SplineExtension *e = s->extension;
+  PetscInt               first, last, n = 0, *master;
+  PetscScalar           *number;
+  VecScatter             gather;
+  Vec                    masters;
+  IS                     from;
+
+  PetscFunctionBegin;
+  if (!s->lattice.scene->pose || !e) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetOwnershipRange(s->natural, &first, &last));
+  PetscCall(PetscMalloc1(e->n * SPLINE_MASTERS, &master));
+  for (PetscInt q = first; q < last; q++)
+    for (PetscInt k = 0; e->slave[q] >= 0 && k < e->slaves[e->slave[q]].n; k++)
+      master[n++] = SplineNatural(&s->lattice, e->slaves[e->slave[q]].master[k]);
+  PetscCall(ISCreateGeneral(PETSC_COMM_SELF, n, master, PETSC_OWN_POINTER, &from));
+  PetscCall(VecCreateSeq(PETSC_COMM_SELF, n, &masters));
+  PetscCall(VecScatterCreate(s->natural, from, masters, NULL, &gather));
+  PetscCall(VecScatterBegin(gather, s->natural, masters, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(gather, s->natural, masters, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArray(masters, &number));
+  n = 0;
+  for (PetscInt q = first; q < last; q++) {
+    const SplineSlave *slave = e->slave[q] >= 0 ? &e->slaves[e->slave[q]] : NULL;
+    PetscScalar        sum   = 0.0;
+    PetscInt           index[ISPH_MAX_DIM], side;
+
+    if (!slave) continue;
+    for (PetscInt k = 0; k < slave->n; k++) sum += slave->weight[k] * number[n++];
+    SplineIndex(s->lattice.dim, NULL, s->lattice.count, q, index);
+    if (!SplineIsGiven(&s->lattice, index, &side))
+      PetscCall(VecSetValue(s->natural, q, sum, INSERT_VALUES));
+  }
+  PetscCall(VecRestoreArray(masters, &number));
+  PetscCall(VecAssemblyBegin(s->natural));
+  PetscCall(VecAssemblyEnd(s->natural));
+  PetscCall(VecScatterDestroy(&gather));
+  PetscCall(VecDestroy(&masters));
+  PetscCall(ISDestroy(&from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesFollow - Cuts the cells of the splines anew by bodies that move; collective */
+PetscErrorCode SplinesFollow(Splines *s)
+{
+  PetscFunctionBegin;
+  if (!s->lattice.scene->pose) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplineBodiesDestroy(&s->bodies));
+  PetscCall(SplineExtensionDestroy(&s->extension));
+  PetscCall(SplineBodiesCreate(s->lattice.scene, &s->lattice, &s->bodies));
+  PetscCall(SplineExtensionCreate(&s->lattice, s->bodies, &s->extension));
+  s->lo[0] = -PETSC_MAX_REAL; /* all that depends on the numbers of splines is old */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplinesSpread - Sets the pressure of particles to the splines' and removes an undetermined mean;
    keeps a copy in the order of the lattice; collective */
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
@@ -266,6 +324,7 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
   }
   PetscCall(VecScatterBegin(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(KeepSlaves(s));
   PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -85,6 +85,11 @@ static PetscBool Moves(const Flow *flow)
   return SceneMoves(flow->scene);
 }
 
+static PetscBool HasMovingBodies(const Flow *flow)
+{
+  return flow->scene->pose ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasOpenings(const Flow *flow)
 {
   return flow->state->openings.open;
@@ -135,6 +140,13 @@ const Stage StageMomentum = {
     .brief   = "mean velocity, of flows that keep their momentum",
     .Applies = KeepsMomentum,
     .Do      = MomentumKeep,
+};
+
+const Stage StageBodies = {
+    .name    = "bodies",
+    .brief   = "bodies that move, with their wall particles",
+    .Applies = HasMovingBodies,
+    .Do      = BodiesMove,
 };
 
 const Stage StageMove = {

@@ -123,6 +123,8 @@ static PetscErrorCode Refuse(const Flow *flow)
   UserCheck(SceneMoves(scene),
             "-scheme wcsph: its particles move; use -motion lagrangian and -with convection");
   UserCheck(!fits, "-scheme wcsph: its walls have no slip, which excludes %s", fits->option.name);
+  UserCheck(!scene->pose, "-scheme wcsph: bodies stay where they are, which excludes a motion of "
+                          "their own; use -scheme projection or coupled");
   UserCheck(!SceneHasOpenings(scene), "-scheme wcsph: fluid does not enter, which excludes "
                                       "-scene_inflow; use -scheme projection or coupled");
   UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
