@@ -15,8 +15,8 @@ static void Cross(const PetscReal a[], const PetscReal b[], PetscReal c[])
     c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* PoseTurn - Turns a direction of the body as typed to its present one, v + 2 q x (q x v + w v) with
-   the quaternion (w, q); or back; not collective */
+/* PoseTurn - Turns a direction of the body as typed to its present one, v + 2 q x (q x v + w v)
+   with the quaternion (w, q); or back; not collective */
 void PoseTurn(const Pose *pose, PetscBool back, PetscReal v[ISPH_MAX_DIM])
 {
   const PetscReal w = back ? -pose->turn[0] : pose->turn[0];
@@ -46,7 +46,7 @@ void PoseOut(const Body *body, PetscReal x[ISPH_MAX_DIM])
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] += body->pose->x[a];
 }
 
-/* PoseRotate - Rotates a body about its centre by an angle about an axis, both in one vector, [rad];
+/* PoseRotate - Rotates a body about its centre by an angle about an axis, both in one vector [rad];
    not collective */
 void PoseRotate(const PetscReal angle[ISPH_MAX_DIM], Pose *pose)
 {
