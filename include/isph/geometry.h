@@ -14,7 +14,7 @@ typedef struct {
 } BodyStore;
 
 /*
-  What of a body changes: its place, its motion, and the load of the fluid. State of the run: undone
+  The pose of a body: its place, its motion, and the load of the fluid. State of the run: undone
   with a step, kept in checkpoints. All members are real numbers. A point y of the body as it was
   typed, with centre c, is at x + R(turn) (y - c).
 */
