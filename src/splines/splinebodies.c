@@ -269,14 +269,18 @@ static PetscErrorCode DivideOutline(const SplineLattice *l, const Outline *o, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the shift of image k of a body in a periodic box; false if it is no image. */
-static PetscBool ImageShift(const Scene *scene, PetscInt k, PetscReal shift[2])
+/* Returns the shift of image k of a body in a periodic box, which a body that moves may have left;
+   false if it is no image. */
+static PetscBool ImageShift(const Scene *scene, const Body *body, PetscInt k, PetscReal shift[2])
 {
   const PetscInt step[2] = {k % 3 - 1, k / 3 - 1};
 
   for (PetscInt a = 0; a < 2; a++) {
     if (step[a] && !SceneIsPeriodic(scene, a)) return PETSC_FALSE;
     shift[a] = step[a] * (scene->hi[a] - scene->lo[a]);
+    if (body->pose && SceneIsPeriodic(scene, a))
+      shift[a] -= (scene->hi[a] - scene->lo[a]) *
+                  PetscFloorReal((body->pose->x[a] - scene->lo[a]) / (scene->hi[a] - scene->lo[a]));
   }
   return PETSC_TRUE;
 }
@@ -299,7 +303,7 @@ static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
     for (PetscInt image = 0; image < 9; image++) {
       PetscReal shift[2];
 
-      if (!ImageShift(scene, image, shift)) continue;
+      if (!ImageShift(scene, body, image, shift)) continue;
       PetscCall(OutlineCreate(body, spacing, shift, &outline[n]));
       if (OutlineIsApart(&outline[n], scene->lo, scene->hi)) {
         PetscCall(PetscFree(outline[n].x));
