@@ -355,27 +355,27 @@ void            BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, 
 void            BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
 const char     *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
-void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
-                  PetscReal arm[ISPH_MAX_DIM]);
-PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                       PetscReal normal[]);
-PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
-                             PetscReal most, PetscReal normal[]);
-PetscReal BodySpacing(const Scene *scene, const Body *body);
-PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
-                          PetscInt *side);
-PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
-PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
-                        PetscReal normal[]);
-PetscReal SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
-Body     *SceneAddFilled(Scene *scene);
-PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
-PetscBool SceneHasFreeSurface(const Scene *scene);
-void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                          WallPlane planes[WALL_PLANES], PetscInt *count);
-PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
-void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
-                     PetscReal *volume);
-void      SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[]);
+void            BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
+                        PetscReal arm[ISPH_MAX_DIM]);
+PetscReal       BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
+                             PetscReal normal[]);
+PetscReal       BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
+                                   PetscReal most, PetscReal normal[]);
+PetscReal       BodySpacing(const Scene *scene, const Body *body);
+PetscReal       SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                                PetscInt *side);
+PetscReal       SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
+PetscReal       SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+                              PetscReal normal[]);
+PetscReal       SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
+Body           *SceneAddFilled(Scene *scene);
+PetscReal       SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
+PetscBool       SceneHasFreeSurface(const Scene *scene);
+void            SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                                WallPlane planes[WALL_PLANES], PetscInt *count);
+PetscBool       SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
+void SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
+                PetscReal *volume);
+void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[]);
 
 #endif
