@@ -37,6 +37,27 @@ static PetscErrorCode AddBodyRow(PetscInt k, const char quantity[], PetscReal va
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reports place, attitude and motion of a body that moves. In 2D the angle is about z. */
+static PetscErrorCode MeasurePose(const Scene *scene, PetscInt k, Report *report)
+{
+  const char *const name[3][ISPH_MAX_DIM] = {
+      {"x", "y", "z"}, {"u", "v", "w"}, {"spin_x", "spin_y", "spin"}};
+  const Body *body = BoundaryBody(scene, SceneBodySide(scene, k));
+  const Pose *pose = body->pose;
+
+  PetscFunctionBegin;
+  if (!pose) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(AddBodyRow(k, name[0][a], pose->x[a], report));
+    PetscCall(AddBodyRow(k, name[1][a], pose->u[a], report));
+  }
+  if (scene->dim == 2)
+    PetscCall(AddBodyRow(k, "angle", 2.0 * atan2(pose->turn[3], pose->turn[0]), report));
+  for (PetscInt a = scene->dim == 2 ? 2 : 0; a < ISPH_MAX_DIM; a++)
+    PetscCall(AddBodyRow(k, name[2][a], pose->spin[a], report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reports force and torque on each body by the momentum beside it, then by tractions, and the
    magnitudes of their differences. With a free surface all are tractions. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
@@ -50,6 +71,7 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     PetscReal force[2][2 * ISPH_MAX_DIM], error = 0.0;
 
+    PetscCall(MeasurePose(scene, k, report));
     PetscCall(WallForce(flow, SceneBodySide(scene, k), force));
     for (PetscInt way = 0; way < (flow->ops->free ? 1 : 2); way++) {
       for (PetscInt a = 0; a < scene->dim; a++)

@@ -38,18 +38,23 @@ static const Table *const tables[] = {&CaseTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-const OptionTable *const CatalogueOptions[] = {
-    &ProgramOptions,       &CaseOptions,          &SceneOptions,
-    &SpacingOptions,       &StartOptions,         &TypedOptions,
-    &BoundaryOptions,      &OpeningOptions,       &RheologyOptions,
-    &TimeOptions,          &SchemeOptions,        &PressurePointsOptions,
-    &ProjectionOptions,    &ViscosityOptions,     &CoupledOptions,
-    &CoupledSolverOptions, &WcsphOptions,         &WcsphTimeOptions,
-    &MotionOptions,        &SurfaceVolumeOptions, &ParticleOptions,
-    &OperatorOptions,      &GuardOptions,         &SnapshotOptions,
-    &AverageOptions,       &MonitorOptions,       &ReportOptions,
-    &ProgressOptions,      &CheckpointOptions,    &MatrixOptions,
-    &PatchOptions,         &SolverOptions,        NULL};
+const OptionTable *const CatalogueOptions[] = {&ProgramOptions,        &CaseOptions,
+                                               &SceneOptions,          &SpacingOptions,
+                                               &StartOptions,          &TypedOptions,
+                                               &FreeBodyOptions,       &BoundaryOptions,
+                                               &OpeningOptions,        &RheologyOptions,
+                                               &TimeOptions,           &SchemeOptions,
+                                               &PressurePointsOptions, &ProjectionOptions,
+                                               &ViscosityOptions,      &CoupledOptions,
+                                               &CoupledSolverOptions,  &WcsphOptions,
+                                               &WcsphTimeOptions,      &MotionOptions,
+                                               &SurfaceVolumeOptions,  &ParticleOptions,
+                                               &OperatorOptions,       &GuardOptions,
+                                               &SnapshotOptions,       &AverageOptions,
+                                               &MonitorOptions,        &ReportOptions,
+                                               &ProgressOptions,       &CheckpointOptions,
+                                               &MatrixOptions,         &PatchOptions,
+                                               &SolverOptions,         NULL};
 
 /* CatalogueTable - Returns table k of named rows, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)

@@ -55,7 +55,8 @@ typedef enum {
   STEP_PARTS
 } StepPart;
 enum { CARRIED_SHIFT, CARRIED_CLEARANCE, CARRIED_FILTER, CARRIED_PARTS };
-typedef struct Budget Budget;
+typedef struct Budget     Budget;
+typedef struct FreeBodies FreeBodies;
 
 /* The rate of the last step, and the error in time of the steps; see src/flow/acceleration.c. */
 typedef struct {
@@ -120,6 +121,7 @@ typedef struct {
   Graded          graded;             /* zero unless particles move and are graded */
   Openings        openings;
   KeptFits        kept_fits;
+  FreeBodies     *bodies; /* NULL: no body is free */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
@@ -257,7 +259,7 @@ typedef struct {
 } LinearSolve;
 
 #define SCHEME_MAX_SOLVES    4
-#define SCHEME_MAX_FIGURES   4
+#define SCHEME_MAX_FIGURES   5
 #define SCHEME_MAX_STAGES    16
 #define SCHEME_MAX_OBSERVERS 4
 #define SCHEME_MAX_JUDGES    4

@@ -3,6 +3,7 @@
 #define ISPH_MOTION_H
 
 #include "isph/balance.h"
+#include "isph/forces.h"
 
 extern const Table       ShiftTable;
 PetscReal                ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt);
@@ -16,6 +17,11 @@ PetscErrorCode BodiesRegister(const Scene *scene, Memory *memory);
 PetscErrorCode OpeningsCreate(Flow *flow);
 PetscErrorCode OpeningsRegister(Flow *flow);
 PetscErrorCode OpeningsPass(Flow *flow);
+
+extern const Judge JudgeBodies;
+PetscErrorCode     FreeBodiesCreate(Flow *flow);
+PetscErrorCode     FreeBodiesDestroy(const Scene *scene, FreeBodies **bodies);
+void               FreeBodyMove(Flow *flow, PetscInt k);
 
 void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, PetscReal way[]);
 void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);

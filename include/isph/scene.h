@@ -74,6 +74,17 @@ extern const char *const BoxAxes[], *const BoxSides[]; /* NULL after the last */
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
     BoundaryFree, BoundaryInflow; /* kinds that cases and options set */
 
+/* The freedom of a body that moves by the forces on it, see src/scene/freebodies.c; in 2D per metre
+   of depth. */
+#define FREEDOM_SPIN 3 /* number of the first component of the spin, after those of the velocity */
+typedef struct {
+  PetscReal  mass, volume;                        /* mass 0: the body is not free [kg], [m^dim] */
+  PetscReal  inertia[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* about the centre, as typed [kg m^2] */
+  unsigned   held;          /* bits of the components of velocity and spin that no force changes */
+  Expression force, torque; /* besides those of the fluid, of t; n = 0: none [N], [N m] */
+  PetscReal  spring[ISPH_MAX_DIM]; /* stiffness along each axis [N/m] */
+} Freedom;
+
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
   const BoundaryRow *kind;
@@ -85,6 +96,7 @@ typedef struct {
                                     three axes in 3D [rad/s] */
   Expression         position;   /* of the centre of a body, function of t; n = 0: not given [m] */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
+  Freedom            freedom;    /* of a body */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
   Body               hole; /* the same in 3D, in the axes along the side; without shape: all */
 } Boundary;
@@ -239,8 +251,8 @@ typedef struct {
   PetscReal *x, *normal; /* dim values of each [m] */
 } InterfacePoints;
 
-extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
-    OpeningOptions, RheologyOptions;
+extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, FreeBodyOptions,
+    BoundaryOptions, OpeningOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscInt       SceneFluids(const Scene *scene);
@@ -319,6 +331,8 @@ Equation       BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity q
 Equation       BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c);
 PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
 PetscBool      SceneHasBoundary(const Scene *scene, unsigned properties);
+void           BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[],
+                               PetscReal spin[]);
 void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], PetscReal spin[]);
 const BoundaryRow *SceneSlipKind(const Scene *scene);
 const BoundaryRow *SceneFitKind(const Scene *scene);
@@ -335,6 +349,8 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
                               const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);
 PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least);
+PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary);
+PetscBool      SceneHasFreeBodies(const Scene *scene);
 PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);

@@ -39,7 +39,7 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     c[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
-    if (body) c[a] = body->centre[a];
+    if (body) c[a] = body->pose ? body->pose->x[a] : body->centre[a];
   }
 }
 

@@ -65,7 +65,9 @@ static PetscErrorCode AddPoint(const PetscReal x[], const PetscReal edge[], Pets
 
     l->x[l->n * dim + a] = x[a];
     if (body && SceneIsPeriodic(scene, a))
-      l->x[l->n * dim + a] -= period * PetscFloorReal((x[a] - body->centre[a]) / period + 0.5);
+      l->x[l->n * dim + a] -=
+          period *
+          PetscFloorReal((x[a] - (body->pose ? body->pose->x[a] : body->centre[a])) / period + 0.5);
   }
   WeightGradient(l, x, edge, &l->gradient[l->n * dim]);
   l->volume[l->n++] = volume;

@@ -70,7 +70,8 @@ PetscErrorCode BodiesMove(Flow *flow)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const PetscInt side = SceneBodySide(scene, k);
 
-    if (scene->boundary[side].moves)
+    if (scene->boundary[side].free) FreeBodyMove(flow, k);
+    else if (scene->boundary[side].moves)
       Advance(scene, side, flow->clock->t, flow->clock->dt, &scene->pose[k]);
   }
   MoveWalls(scene, before, flow->particles);

@@ -234,7 +234,8 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
       ExpressionUses(&boundary->position, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
     scene->unsteady_walls = PETSC_TRUE;
-  boundary->moves = SceneMoves(scene) && ChangesPlace(boundary);
+  PetscCall(SceneReadFreedom(scene, k, boundary));
+  boundary->moves = SceneMoves(scene) && (ChangesPlace(boundary) || boundary->free);
   if (!boundary->moves) PetscCall(CheckSurfaceMotion(scene, boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -246,12 +247,13 @@ static PetscErrorCode CreatePoses(Scene *scene)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     Boundary *boundary = &scene->boundary[SceneBodySide(scene, k)];
 
-    if (!boundary->moves) continue;
+    if (!boundary->moves && !boundary->free) continue;
     if (!scene->pose) PetscCall(PetscCalloc1(scene->n_bodies, &scene->pose));
     boundary->body.pose = &scene->pose[k];
     PoseStart(&boundary->body, boundary->body.pose);
     for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
       scene->pose[k].x[a] = ExpressionValue(&boundary->position, a, 0.0, NULL);
+    BodyGivenMotion(scene, SceneBodySide(scene, k), 0.0, scene->pose[k].u, scene->pose[k].spin);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -123,6 +123,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscCall(AverageRegister(flow));
   PetscCall(AccelerationRegister(flow));
   PetscCall(BodiesRegister(flow->scene, &flow->scheme->memory));
+  PetscCall(FreeBodiesCreate(flow));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));
@@ -139,6 +140,7 @@ PetscErrorCode SchemeDestroy(Flow *flow)
   }
   PetscCall(flow->scheme->row->Destroy(flow));
   PetscCall(AttemptDestroy(&flow->scheme->attempt));
+  PetscCall(FreeBodiesDestroy(flow->scene, &flow->state->bodies));
   PetscCall(FlowStateDestroy(flow));
   PetscCall(WallValuesFree(&flow->walls));
   PetscCall(PetscFree(flow->scheme));

@@ -112,6 +112,9 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
       !SceneMoves(flow->scene) || !row->substeps,
       "-coupled_ts_type %s: its substeps need fixed particles; use beuler, or -motion eulerian",
       row->name);
+  UserCheck(!SceneHasFreeBodies(flow->scene) || !row->substeps,
+            "-coupled_ts_type %s: it has its substeps without bodies that are free; use beuler",
+            row->name);
   UserCheck(SceneIsNewtonian(flow->scene) || !row->substeps,
             "-coupled_ts_type %s: a viscosity that follows the strain rate needs iterations in "
             "each step, and substeps have none; use beuler",
@@ -290,7 +293,7 @@ static const Stage *const stages[] = {
     &StageMean,     &StageCheck,  &StageError, NULL,
 };
 
-static const Judge *const judges[] = {&JudgeJump, &JudgeBurst, &JudgeFailure, NULL};
+static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeBurst, &JudgeFailure, NULL};
 
 const SchemeRow SchemeCoupled = {
     .name     = "coupled",

@@ -136,7 +136,7 @@ static const Stage *const stages[] = {
     &StageMean,     &StageCheck,  &StageError, NULL,
 };
 
-static const Judge *const judges[] = {&JudgeBurst, &JudgeFailure, NULL};
+static const Judge *const judges[] = {&JudgeBodies, &JudgeBurst, &JudgeFailure, NULL};
 
 const SchemeRow SchemeProjection = {
     .name     = "projection",

@@ -1,0 +1,271 @@
+/*
+  Bodies that are free to move: their mass and inertia, the forces on them besides those of the
+  fluid, and the components of their motion that are held. A body is free if its density or its mass
+  is given.
+*/
+#include "isph/scene.h"
+
+#define PIECES 256 /* least number of surface points over the extent of a body, for its moments */
+
+enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD };
+static const char *const components[] = {"x", "y", "z", "rotation", NULL};
+
+static const OptionRow options[] = {
+    [DENSITY] =
+        {
+            .name  = "-scene_body_<k>_density",
+            .kind  = VALUE_REAL,
+            .brief = "density of a body, which is then free to move by the forces on it; its "
+                     "-scene_body_<k>_velocity and _rotation are those at the start",
+            .unit  = "kg/m^3",
+            POSITIVE,
+            .where = "-case scene, bodies that are given",
+        },
+    [MASS] =
+        {
+            .name  = "-scene_body_<k>_mass",
+            .kind  = VALUE_REAL,
+            .brief = "mass of a free body, in place of its density; in 2D per metre of depth",
+            .unit  = "kg; kg/m",
+            POSITIVE,
+            .where = "-case scene, bodies that are given",
+        },
+    [INERTIA] =
+        {
+            .name     = "-scene_body_<k>_inertia",
+            .kind     = VALUE_REALS,
+            .brief    = "moment of inertia of a free body about its centre; in 3D about x, y, z",
+            .unit     = "kg m^2; kg m",
+            .standard = "that of a uniform density",
+            .where    = "-case scene, free bodies",
+        },
+    [FORCE] =
+        {
+            .name     = "-scene_body_<k>_force",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "force on a free body besides those of the fluid and of -body_force, of t",
+            .unit     = "N; N/m",
+            .standard = "0",
+            .where    = "-case scene, free bodies",
+        },
+    [TORQUE] =
+        {
+            .name     = "-scene_body_<k>_torque",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "torque on a free body about its centre, of t; in 3D about x, y, z",
+            .unit     = "N m; N",
+            .standard = "0",
+            .where    = "-case scene, free bodies",
+        },
+    [SPRING] =
+        {
+            .name  = "-scene_body_<k>_spring",
+            .kind  = VALUE_REALS,
+            .brief = "stiffness kx,ky[,kz] of a spring that pulls the centre of a free body back "
+                     "to its place at the start",
+            .unit  = "N/m; Pa",
+            .standard = "0",
+            .where    = "-case scene, free bodies",
+        },
+    [HOLD] =
+        {
+            .name  = "-scene_body_<k>_hold",
+            .kind  = VALUE_NAMES,
+            .brief = "components of the motion of a free body that no force changes: they follow "
+                     "-scene_body_<k>_velocity and _rotation",
+            .words = components,
+            .where = "-case scene, free bodies",
+        },
+};
+const OptionTable FreeBodyOptions = OPTIONS("Free bodies", options);
+
+/*
+  Computes volume and second moments about the centre of a body from points r of its surface, with
+  the areas A and normals n out of it, by the theorem of Gauss
+
+    V = sum r.n A/dim,   int r_a r_b dV = sum r_a^2 r_b n_a A/c,   c = 3 if a = b, else 2
+*/
+static void Moments(const Scene *scene, const Body *body, PetscReal *volume,
+                    PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM])
+{
+  const PetscInt  dim  = scene->dim;
+  const PetscReal unit = PetscMin(0.25 * scene->dx, body->extent / PIECES);
+  const PetscInt  n    = BodyPoints(body, unit);
+
+  *volume = 0.0;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) second[a][b] = 0.0;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal       r[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+    const PetscReal area = BodyPoint(body, k, unit, r, normal);
+
+    for (PetscInt a = 0; a < dim; a++) r[a] -= body->centre[a];
+    for (PetscInt a = 0; a < dim; a++) {
+      *volume += area * r[a] * normal[a] / (PetscReal)dim;
+      for (PetscInt b = 0; b < dim; b++)
+        second[a][b] += area * r[a] * r[a] * r[b] * normal[a] / (a == b ? 3.0 : 2.0);
+    }
+  }
+}
+
+/* Sets mass and inertia of a body of uniform density, with its mass or, if that is 0, density. */
+static void SetInertia(const Scene *scene, const Body *body, PetscReal density, PetscReal mass,
+                       Freedom *f)
+{
+  PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM], trace = 0.0;
+
+  Moments(scene, body, &f->volume, second);
+  f->mass = mass > 0.0 ? mass : density * f->volume;
+  for (PetscInt a = 0; a < scene->dim; a++) trace += second[a][a];
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
+      f->inertia[a][b] = f->mass / f->volume * ((a == b ? trace : 0.0) - second[a][b]);
+}
+
+/* Reads numbers of an option, `least` or `most` of them; others of value[] stay. */
+static PetscErrorCode ReadNumbers(PetscInt option, PetscInt k, PetscInt wanted, PetscReal value[],
+                                  PetscBool *given)
+{
+  char      name[OPTION_LENGTH];
+  OptionRow row;
+  PetscInt  n;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[option], k, name, &row);
+  PetscCall(OptionGetReals(&row, wanted, value, &n, given));
+  UserCheck(!*given || n == wanted,
+            "%s: %" PetscInt_FMT " numbers are required, got %" PetscInt_FMT, name, wanted, n);
+  for (PetscInt c = 0; c < wanted; c++)
+    UserCheck(!*given || value[c] >= 0.0, "%s: its numbers must not be negative", name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses options of free bodies for a body that is none. */
+static PetscErrorCode RefuseBound(PetscInt k)
+{
+  char      name[OPTION_LENGTH];
+  OptionRow row;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (PetscInt option = INERTIA; option <= HOLD; option++) {
+    OptionNumber(&options[option], k, name, &row);
+    PetscCall(OptionGiven(name, &given));
+    UserCheck(!given,
+              "%s: it is for bodies that move freely; give -scene_body_%" PetscInt_FMT
+              "_density or -scene_body_%" PetscInt_FMT "_mass",
+              name, k, k);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the held components: those of -scene_body_<k>_hold, those outside the plane in 2D, and those
+   across the axis of a body that reaches through the box. */
+static PetscErrorCode ReadHeld(const Scene *scene, PetscInt k, const Body *body, Freedom *f)
+{
+  const unsigned turns = 7u << FREEDOM_SPIN;
+  char           name[OPTION_LENGTH];
+  OptionRow      row;
+  unsigned       words;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[HOLD], k, name, &row);
+  PetscCall(OptionGetFlags(&row, &words));
+  UserCheck(scene->dim == 3 || !(words & 4u), "%s: z is of a box in 3D", name);
+  f->held = (words & 7u) | (words & 8u ? turns : 0u);
+  if (scene->dim == 2 || BodyReachesThrough(body, 2)) f->held |= 4u | 3u << FREEDOM_SPIN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses velocities of t in components that forces change: only those at the start are used. */
+static PetscErrorCode RefuseGiven(const Scene *scene, const Boundary *boundary)
+{
+  const Freedom *f = &boundary->freedom;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    UserCheck(
+        f->held >> a & 1u || !(boundary->velocity.uses[a] & EXPRESSION_TIME),
+        "%s: forces change the velocity of a free body along %s, so that it is a number, that "
+        "at the start; or hold this component",
+        boundary->velocity.option, components[a]);
+  UserCheck(f->held >> (FREEDOM_SPIN + 2) & 1u ||
+                !ExpressionUses(&boundary->rotation, EXPRESSION_TIME),
+            "%s: torques change the rotation of a free body, so that it is a number, that at the "
+            "start; or hold the rotation",
+            boundary->rotation.option);
+  UserCheck(!boundary->position.n, "%s: forces give the place of a free body",
+            boundary->position.option);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneReadFreedom - Reads the freedom of body k = 1, 2, ..., whose shape and motion are known
+
+  Collective. A body without density and mass is not free.
+
+  Options Database Keys:
++ -scene_body_<k>_density d  - density; the mass follows from the shape [kg/m^3]
+. -scene_body_<k>_mass m     - mass in its place [kg]
+. -scene_body_<k>_inertia I  - moment of inertia, in 3D about x, y, z [kg m^2]
+. -scene_body_<k>_force f    - force besides those of the fluid and of -body_force [N] (t)
+. -scene_body_<k>_torque T   - torque about the centre [N m] (t)
+. -scene_body_<k>_spring k   - stiffness along each axis [N/m]
+- -scene_body_<k>_hold x,... - held components
+
+  Output: boundary->freedom. In 2D all are per metre of depth.
+*/
+PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary)
+{
+  const PetscInt axes    = scene->dim == 3 ? 3 : 1;
+  Freedom       *f       = &boundary->freedom;
+  PetscReal      density = 0.0, mass = 0.0, inertia[ISPH_MAX_DIM];
+  char           name[2][OPTION_LENGTH];
+  OptionRow      row;
+  PetscBool      given[2], set;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[DENSITY], k, name[0], &row);
+  PetscCall(OptionGetReal(&row, &density, &given[0]));
+  OptionNumber(&options[MASS], k, name[1], &row);
+  PetscCall(OptionGetReal(&row, &mass, &given[1]));
+  UserCheck(!given[0] || !given[1], "%s and %s: one follows from the other; give one of them",
+            name[0], name[1]);
+  if (!given[0] && !given[1]) {
+    PetscCall(RefuseBound(k));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  UserCheck(!boundary->body.around, "%s: the solid around the fluid stays where it is",
+            name[given[1]]);
+  UserCheck(SceneMoves(scene) || !SceneHas(scene, PHYSICS_CONVECTION),
+            "%s: a free body moves with particles that move; use -motion lagrangian, or -without "
+            "convection for the velocity of a body in its place",
+            name[given[1]]);
+  boundary->free = scene->unsteady_walls = PETSC_TRUE;
+  SetInertia(scene, &boundary->body, density, mass, f);
+  PetscCall(ReadHeld(scene, k, &boundary->body, f));
+  PetscCall(RefuseGiven(scene, boundary));
+  PetscCall(ReadNumbers(INERTIA, k, axes, inertia, &set));
+  for (PetscInt c = 0; set && c < ISPH_MAX_DIM; c++)
+    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
+      f->inertia[c][b] = b == c ? inertia[axes == 3 ? c : 0] : 0.0;
+  PetscCall(ReadNumbers(SPRING, k, scene->dim, f->spring, &set));
+  UserCheck(!set || SceneMoves(scene),
+            "-scene_body_%" PetscInt_FMT "_spring: without convection "
+            "bodies stay where they are, and no spring pulls",
+            k);
+  OptionNumber(&options[FORCE], k, name[0], &row);
+  PetscCall(
+      ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME, &f->force, NULL));
+  OptionNumber(&options[TORQUE], k, name[0], &row);
+  PetscCall(ExpressionGet(scene->scope, &row, axes, axes, EXPRESSION_TIME, &f->torque, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SceneHasFreeBodies - Returns true if a body moves by the forces on it; not collective */
+PetscBool SceneHasFreeBodies(const Scene *scene)
+{
+  for (PetscInt k = 0; k < scene->n_bodies; k++)
+    if (scene->boundary[SceneBodySide(scene, k)].free) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
