@@ -463,6 +463,13 @@ PetscReal      CapillaryLimit(const Scene *scene);
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
 PetscErrorCode NoteUnbalancedForce(Flow *flow, const Vec force[]);
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
+void FlowConvective(const Flow *flow, const PetscReal x[], const PetscReal u[], const PetscReal A[],
+                    PetscReal N[]);
+PetscErrorCode ConvectionPass(const Flow *flow, PetscReal t, const Vec v[]);
+PetscErrorCode ConvectionTurn(const Flow *flow, PetscReal t, PetscReal scale, const Vec u[],
+                              PetscInt c, Vec f);
+PetscErrorCode ConvectionExplicit(Flow *flow, PetscReal t, const Vec u[], PetscInt c, Vec work,
+                                  Vec result);
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);

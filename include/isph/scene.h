@@ -95,6 +95,7 @@ typedef struct {
   Expression         rotation;   /* of a body about its centre, function of t: about z, or about
                                     three axes in 3D [rad/s] */
   Expression         position;   /* of the centre of a body, function of t; n = 0: not given [m] */
+  PetscBool          rides;      /* a body that turns with Scene.frame */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
   Freedom            freedom;    /* of a body */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
@@ -136,7 +137,7 @@ typedef struct {
 /* Motion of particles with the flow, or fixed particles. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   particles_move;
+  PetscBool   particles_move, turns; /* with the flow; they are fixed in Scene.frame */
 } MotionRow;
 extern const Table MotionTable;
 
@@ -187,11 +188,22 @@ typedef struct {
   PetscReal  even[2 * ISPH_MAX_DIM]; /* spacing on a side in 3D; 0: it differs there [m] */
 } Grading;
 
+/* A frame of reference that turns about an axis along z. Fixed particles, bodies and velocities are
+   in its axes; places, velocities and forces that options and files have are in the laboratory. */
+typedef struct {
+  Expression rate;      /* w, function of t [rad/s] */
+  PetscReal  centre[2]; /* of the axis [m] */
+  PetscReal  t, angle;  /* the last time asked for, and the angle then [s], [rad] */
+  PetscReal *sum;       /* angles at the starts of panels of the integral of w [rad] */
+  PetscInt   panels;    /* number of these */
+} TurningFrame;
+
 #define SCENE_SOLUTION 7 /* largest number of numbers of an exact solution */
 
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: no convection */
+  TurningFrame    *frame;   /* NULL: that of the laboratory */
   unsigned         physics; /* bits of Physics, after -with and -without */
   unsigned         without; /* bits of -without */
 
@@ -252,7 +264,7 @@ typedef struct {
 } InterfacePoints;
 
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, FreeBodyOptions,
-    BoundaryOptions, OpeningOptions, RheologyOptions;
+    BoundaryOptions, OpeningOptions, RheologyOptions, FrameOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscInt       SceneFluids(const Scene *scene);
@@ -360,6 +372,17 @@ PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
+PetscErrorCode SceneReadFrame(Scene *scene);
+PetscReal      SceneFrameRate(const Scene *scene, PetscReal t);
+PetscReal      SceneFrameAngle(const Scene *scene, PetscReal t);
+void SceneFrameVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal w[]);
+void ScenePassing(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal v[]);
+void SceneIntoFrame(const Scene *scene, PetscReal t, PetscReal v[]);
+void SceneOutOfFrame(const Scene *scene, PetscReal t, PetscReal v[]);
+void ScenePlaceIntoFrame(const Scene *scene, PetscReal t, PetscReal x[]);
+void ScenePlaceOutOfFrame(const Scene *scene, PetscReal t, PetscReal x[]);
+const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const PetscReal x[],
+                                      PetscReal y[ISPH_MAX_DIM]);
 void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
 PetscErrorCode  ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
                           PetscBool *given);

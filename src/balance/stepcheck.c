@@ -56,11 +56,16 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &v[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal speed2 = 0.0, stretched2 = 0.0, speed;
+    PetscReal speed2 = 0.0, stretched2 = 0.0, speed, x[ISPH_MAX_DIM], pass[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < scene->dim; a++) {
+      x[a]    = p->x[a][i];
+      pass[a] = v[a][i];
+    }
+    ScenePassing(scene, flow->clock->t, x, pass);
+    for (PetscInt a = 0; a < scene->dim; a++) {
       speed2 += PetscSqr(v[a][i]);
-      stretched2 += PetscSqr(ParticlesStretch(p, a, i) * v[a][i]);
+      stretched2 += PetscSqr(ParticlesStretch(p, a, i) * pass[a]);
     }
     sum[0] += ParticlesWeight(p, i) * speed2;
     if (C) sum[1] += ParticlesWeight(p, i) * PetscSqr(C[i] - 1.0);

@@ -1,4 +1,7 @@
-/* The convective term of fixed particles. */
+/*
+  The convective term of fixed particles. In a turning frame, see src/scene/scene.c, the advecting
+  velocity is that relative to the frame, and w z x u, by which its axes turn, belongs to the term.
+*/
 #include "isph/flow.h"
 
 /*
@@ -134,13 +137,94 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ConvectionPass - Changes velocities over the fluid at time t by ScenePassing(), into the velocity
+   that advects; collective */
+PetscErrorCode ConvectionPass(const Flow *flow, PetscReal t, const Vec v[])
+{
+  const Particles *p = flow->particles;
+  PetscScalar     *value[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!flow->scene->frame) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecGetArray(v[a], &value[a]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) {
+      x[a] = p->x[a][i];
+      u[a] = value[a][i];
+    }
+    ScenePassing(flow->scene, t, x, u);
+    for (PetscInt a = 0; a < p->dim; a++) value[a][i] = u[a];
+  }
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecRestoreArray(v[a], &value[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ConvectionTurn - Adds `scale` times component c of w z x u at time t to f, in a turning frame;
+   collective */
+PetscErrorCode ConvectionTurn(const Flow *flow, PetscReal t, PetscReal scale, const Vec u[],
+                              PetscInt c, Vec f)
+{
+  PetscFunctionBegin;
+  if (!flow->scene->frame || c > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecAXPY(f, (c ? scale : -scale) * SceneFrameRate(flow->scene, t), u[1 - c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowConvective - Computes the convective term of fixed particles at x from the velocity and its
+   gradient du_a/dx_b at [a dim + b]; zero if particles move [m/s^2]; not collective */
+void FlowConvective(const Flow *flow, const PetscReal x[], const PetscReal u[], const PetscReal A[],
+                    PetscReal N[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal t = flow->clock->t, rate = SceneFrameRate(scene, t);
+  PetscReal       v[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) v[a] = u[a];
+  ScenePassing(scene, t, x, v);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    N[a] = scene->frame && a < 2 ? (a ? rate : -rate) * u[1 - a] : 0.0;
+    for (PetscInt b = 0; flow->state->has_convection && b < scene->dim; b++)
+      N[a] += v[b] * A[a * scene->dim + b];
+  }
+}
+
 /*
-  ConvectionExtrapolate - Subtracts the convective term of fixed particles, extrapolated in time,
-  from a force
+  ConvectionExplicit - Computes the convective term of a known velocity at time t
 
-    force -= w_0 (u.grad u)^n + w_1 (u.grad u)^{n-1} + w_2 (u.grad u)^{n-2},   w of HistoryAhead()
+    (v.grad u_c) + (w z x u)_c,   v = u less the velocity of the frame
 
-  Collective. Keeps (u.grad u)^n for the next step.
+  Collective. For its filter see ConvectionApply(). Input: u - over fluid [m/s]. Output: result
+  [m/s^2].
+*/
+PetscErrorCode ConvectionExplicit(Flow *flow, PetscReal t, const Vec u[], PetscInt c, Vec work,
+                                  Vec result)
+{
+  const PetscBool passes = flow->scene->frame ? PETSC_TRUE : PETSC_FALSE;
+  Vec             v[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    v[a] = u[a];
+    if (!passes) continue;
+    PetscCall(FlowGetWork(flow, &v[a]));
+    PetscCall(VecCopy(u[a], v[a]));
+  }
+  PetscCall(ConvectionPass(flow, t, v));
+  PetscCall(ConvectionApply(flow, v, c, u[c], flow->walls.u[c], work, result));
+  PetscCall(ConvectionTurn(flow, t, 1.0, u, c, result));
+  for (PetscInt a = 0; a < flow->scene->dim && passes; a++) PetscCall(FlowRestoreWork(flow, &v[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ConvectionExtrapolate - Subtracts the convective term N of ConvectionExplicit(), extrapolated in
+  time, from a force
+
+    force -= w_0 N^n + w_1 N^{n-1} + w_2 N^{n-2},   w of HistoryAhead()
+
+  Collective. Keeps N^n for the next step.
 
   Input Parameter:
 . at - time of the force within the step: 1 or 1/2
@@ -156,7 +240,7 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
   PetscCall(FlowGetWork(flow, &work));
   PetscCall(FlowGetWork(flow, &convection));
   for (PetscInt c = 0; c < flow->scene->dim; c++) {
-    PetscCall(ConvectionApply(flow, s->u, c, s->u[c], flow->walls.u[c], work, convection));
+    PetscCall(ConvectionExplicit(flow, flow->clock->t, s->u, c, work, convection));
     PetscCall(VecAXPY(force[c], -weight[0], convection));
     PetscCall(VecAXPY(force[c], -weight[1], s->convection_prev[c]));
     if (weight[2] != 0.0) PetscCall(VecAXPY(force[c], -weight[2], s->convection_before[c]));

@@ -29,9 +29,12 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
 
   PetscFunctionBegin;
   if (!scene->force.n) {
+    PetscReal f[ISPH_MAX_DIM];
+
+    SceneBodyForce(scene, t, scene->lo, f);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (force) PetscCall(VecShift(force[a], scene->body_force[a]));
-      most += PetscSqr(scene->body_force[a]);
+      if (force) PetscCall(VecShift(force[a], f[a]));
+      most += PetscSqr(f[a]);
     }
     NoteForce(flow->scheme, most);
     PetscFunctionReturn(PETSC_SUCCESS);

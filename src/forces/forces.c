@@ -311,6 +311,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 *
     AddLinear(flow->scene->dim, r, traction, &traction[ISPH_MAX_DIM]);
   }
   CopyTorques(flow->scene, side, traction, momentum);
+  for (PetscInt k = 0; k < 4; k++)
+    SceneOutOfFrame(flow->scene, ClockMoment(flow->clock), &force[k / 2][k % 2 * ISPH_MAX_DIM]);
   PetscCall(ReactionDestroy(&r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -424,13 +424,11 @@ PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], Pe
       MPI_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal *value = &values[k * width];
+    PetscReal        N[ISPH_MAX_DIM];
 
     PetscCall(PetscArraycpy(&gradient[k * dim * dim], &value[dim], dim * dim));
-    for (PetscInt a = 0; a < dim; a++) {
-      rate[k * dim + a] = value[last + a];
-      for (PetscInt b = 0; flow->state->has_convection && b < dim; b++)
-        rate[k * dim + a] += value[b] * value[dim + a * dim + b];
-    }
+    FlowConvective(flow, &x[k * dim], value, &value[dim], N);
+    for (PetscInt a = 0; a < dim; a++) rate[k * dim + a] = value[last + a] + N[a];
     pressure[k] = p->p ? value[last + dim] : NAN;
   }
   for (PetscInt a = 0; a < dim; a++) PetscCall(PetscFree(du[a]));

@@ -152,6 +152,7 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
       {"nu", scene->nu},
       {"rho", scene->rho},
       {"pressure_average", AverageLength(flow)},
+      {"frame_angle", SceneFrameAngle(scene, ClockMoment(flow->clock))},
   };
   const int step = (int)flow->clock->step, dim = (int)scene->dim;
   char      text[64], *options;

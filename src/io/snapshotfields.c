@@ -269,6 +269,22 @@ PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
   return field->shape == FIELD_AXIAL && flow->particles->dim == 3 ? 3 : 0;
 }
 
+/* Turns the rows of a field, places or vectors, out of a turning frame of reference. */
+static void RowsOutOfFrame(const Flow *flow, const SnapshotField *field, double rows[])
+{
+  const PetscInt  columns = SnapshotColumns(flow, field);
+  const PetscReal t       = ClockMoment(flow->clock);
+
+  for (PetscInt i = 0; flow->scene->frame && columns && i < ParticlesOwn(flow->particles); i++) {
+    PetscReal v[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < columns; a++) v[a] = (PetscReal)rows[i * columns + a];
+    if (field == SnapshotFieldTable) ScenePlaceOutOfFrame(flow->scene, t, v);
+    else SceneOutOfFrame(flow->scene, t, v);
+    for (PetscInt a = 0; a < columns; a++) rows[i * columns + a] = (double)v[a];
+  }
+}
+
 /* SnapshotFieldsWrite - Writes all fields; the fluid of a rank precedes its walls and the fluid of
    the next rank; collective */
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
@@ -294,6 +310,7 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
       given  = H5T_NATIVE_LLONG;
     }
     PetscCall(field->Gather(flow, rows));
+    RowsOutOfFrame(flow, field, rows);
     PetscCall(Hdf5WriteRows(file, field->name, SnapshotColumns(flow, field), stored, given, rows,
                             field->units));
   }

@@ -77,6 +77,8 @@ static PetscErrorCode LoadsOf(const Flow *flow, PetscInt side, Loads *of, Ledger
     l->flux += flux;
     l->flux_size += size;
   } else PetscCall(PetscArrayzero(of->u, of->s.n * dim));
+  for (PetscInt k = 0; k < of->s.n && scene->boundary[side].rides; k++)
+    SceneFrameVelocity(scene, flow->clock->t, &of->s.x[k * dim], &of->u[k * dim]);
   for (PetscInt k = 0; k < of->s.n; k++) {
     const PetscReal *x = &of->s.x[k * dim], *n = &of->s.normal[k * dim];
 
@@ -91,18 +93,21 @@ static PetscErrorCode LoadsOf(const Flow *flow, PetscInt side, Loads *of, Ledger
 }
 
 /* Adds the forces of the loads, with pressures relative to `level`, and the momentum that leaves
-   fixed particles through the boundary. */
+   fixed particles through the boundary. Without convection a body that rides leaves its momentum.
+ */
 static void AddLoads(const Flow *flow, const Loads *of, PetscReal level, Ledger *l)
 {
-  const PetscInt  dim     = flow->scene->dim;
-  const PetscBool carries = SceneHas(flow->scene, PHYSICS_CONVECTION) && !SceneMoves(flow->scene);
+  const Scene    *scene    = flow->scene;
+  const PetscInt  dim      = scene->dim;
+  const PetscBool convects = SceneHas(scene, PHYSICS_CONVECTION);
+  const PetscReal carries = scene->frame ? (convects ? 0.0 : -1.0) : convects && !SceneMoves(scene);
 
   for (PetscInt k = 0; k < of->s.n; k++) {
     const PetscReal *n = &of->s.normal[k * dim], *u = &of->u[k * dim];
     PetscReal        load[ISPH_MAX_DIM], flux       = 0.0;
 
     if (PetscIsNanReal(of->f[k * dim])) continue;
-    for (PetscInt a = 0; carries && a < dim; a++) flux += flow->scene->rho * n[a] * u[a];
+    for (PetscInt a = 0; a < dim; a++) flux += carries * scene->rho * n[a] * u[a];
     for (PetscInt a = 0; a < dim; a++)
       load[a] = of->f[k * dim + a] - of->s.area[k] * ((of->p[k] - level) * n[a] + flux * u[a]);
     AddForce(dim, &of->s.x[k * dim], load, l);
@@ -128,8 +133,10 @@ static PetscErrorCode AddLedger(const Flow *flow, const Ledger *own, Ledger *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds inertia and body force of the fluid. In a full box the volumes of the particles are scaled
-   to that inside the boundaries: particles beside curved walls have parts of cells. */
+/* Adds inertia and body force of the fluid. In a turning frame inertia is d/dt int rho u dV in its
+   axes plus w z x int rho u dV, and the same of angular momenta. In a full box the volumes of the
+   particles are scaled to that inside the boundaries: particles beside curved walls have parts of
+   cells. */
 static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
 {
   const Particles *p       = flow->particles;
@@ -137,6 +144,7 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
   const PetscReal  full    = p->weight * p->cell_volume;
   const PetscReal  share   = flow->ops->free ? 1.0 : l->volume / full;
   Ledger           inertia = {.volume = 0.0}, weight = {.volume = 0.0};
+  const PetscReal  origin[ISPH_MAX_DIM] = {0.0}, turn = SceneFrameRate(scene, flow->clock->t);
   PetscReal       *rate[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -148,13 +156,20 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal mass            = scene->rho * share * ParticlesWeight(p, i) * p->cell_volume;
     PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, a[ISPH_MAX_DIM] = {0.0};
+    PetscReal       u[ISPH_MAX_DIM] = {0.0}, w[ISPH_MAX_DIM] = {0.0};
 
-    for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
+    for (PetscInt c = 0; c < p->dim; c++) {
+      x[c] = p->x[c][i];
+      u[c] = mass * p->u[c][i];
+    }
     if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
     for (PetscInt c = 0; c < p->dim; c++) {
       a[c] = mass * rate[c][i];
+      if (c < 2) a[c] += (c ? turn : -turn) * u[1 - c];
       f[c] *= -mass;
     }
+    SceneFrameVelocity(scene, flow->clock->t, x, w);
+    AddTorque(p->dim, origin, w, u, inertia.sum[TORQUE]);
     AddForce(p->dim, x, a, &inertia);
     AddForce(p->dim, x, f, &weight);
   }

@@ -82,16 +82,19 @@ static void AddTerms(const Flow *flow, PetscInt i, const PetscReal A[], const Pe
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  PetscReal        x[ISPH_MAX_DIM], f[ISPH_MAX_DIM] = {0.0};
+  PetscReal        x[ISPH_MAX_DIM], f[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], N[ISPH_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+  for (PetscInt a = 0; a < p->dim; a++) {
+    x[a] = p->x[a][i];
+    u[a] = p->u[a][i];
+  }
+  FlowConvective(flow, x, u, A, N);
   if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, ClockMoment(flow->clock), x, f);
   d->mass[i] = 0.0;
   for (PetscInt a = 0; a < p->dim; a++) {
     d->momentum[a][i] -= f[a];
     if (lap) d->momentum[a][i] -= d->nu[i] * lap[a];
-    for (PetscInt b = 0; flow->state->has_convection && b < p->dim; b++)
-      d->momentum[a][i] += p->u[b][i] * A[a * p->dim + b];
+    d->momentum[a][i] += N[a];
     d->mass[i] += A[a * p->dim + a];
   }
 }

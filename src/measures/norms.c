@@ -21,6 +21,7 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
                                    ExactMaxima *maxima)
 {
   const Particles *p = flow->particles;
+  const PetscReal  t = ClockMoment(flow->clock);
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(sums, sizeof(*sums)));
@@ -28,10 +29,13 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal weight          = ParticlesWeight(p, i);
     PetscReal       x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM] = {0.0}, d2 = 0.0, e2 = 0.0;
+    PetscReal       y[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     exact_p[i] = NAN;
-    flow->scene->problem->Exact(flow->scene, ClockMoment(flow->clock), x, u, &exact_p[i]);
+    flow->scene->problem->Exact(flow->scene, t, SceneLaboratoryPlace(flow->scene, t, x, y), u,
+                                &exact_p[i]);
+    SceneIntoFrame(flow->scene, t, u);
     for (PetscInt c = 0; c < p->dim; c++) {
       d2 += PetscSqr(p->u[c][i] - u[c]);
       e2 += PetscSqr(u[c]);

@@ -11,18 +11,22 @@
 static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt window, PetscInt n,
                                   const PetscReal x[], PetscInt number)
 {
-  const PetscInt dim = flow->scene->dim;
-  PetscReal     *u, *p;
+  const PetscInt  dim = flow->scene->dim;
+  const PetscReal t   = ClockMoment(flow->clock);
+  PetscReal      *u, *p, *place;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * dim, &u, n, &p));
-  PetscCall(ProbePoints(flow, n, x, u, p));
+  PetscCall(PetscMalloc3(n * dim, &u, n, &p, n * dim, &place));
+  PetscCall(PetscArraycpy(place, x, n * dim));
+  for (PetscInt k = 0; k < n; k++) ScenePlaceIntoFrame(flow->scene, t, &place[k * dim]);
+  PetscCall(ProbePoints(flow, n, place, u, p));
+  for (PetscInt k = 0; k < n; k++) SceneOutOfFrame(flow->scene, t, &u[k * dim]);
   PetscCall(MonitorMean(flow->clock, window, n, p, monitor));
   for (PetscInt k = 0; k < n; k++) {
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
     MonitorVector(monitor, dim, &x[k * dim]);
-    if (ProbeInBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) {
+    if (ProbeInBody(flow->scene, &place[k * dim]) || PetscIsNanReal(u[k * dim])) {
       (void)fprintf(monitor->stream, ",,,,\n");
       continue;
     }
@@ -30,7 +34,7 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt w
     if (PetscIsNanReal(p[k])) (void)fprintf(monitor->stream, ",\n");
     else (void)fprintf(monitor->stream, ",%.12g\n", (double)p[k]);
   }
-  PetscCall(PetscFree2(u, p));
+  PetscCall(PetscFree3(u, p, place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -124,10 +128,15 @@ const MonitorKind MonitorLines = {
 /* Computes the flux through the wet parts of a section [m^2/s, m^3/s]. */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {
-  Facets f;
+  const PetscInt dim = flow->scene->dim;
+  PetscReal      place[3 * ISPH_MAX_DIM];
+  Facets         f;
 
   PetscFunctionBegin;
-  PetscCall(FacetsOfSection(flow->scene, corner, &f));
+  PetscCall(PetscArraycpy(place, corner, dim * dim));
+  for (PetscInt k = 0; k < dim; k++)
+    ScenePlaceIntoFrame(flow->scene, ClockMoment(flow->clock), &place[k * dim]);
+  PetscCall(FacetsOfSection(flow->scene, place, &f));
   PetscCall(FacetsKeepWet(flow, &f));
   PetscCall(FacetsFlux(flow, &f, flux, NULL));
   PetscCall(FacetsFree(&f));
@@ -222,6 +231,8 @@ static PetscErrorCode CheckBox(const Scene *scene, const char option[], PetscInt
 static PetscErrorCode PrepareBudget(Flow *flow, const Monitor *monitor)
 {
   PetscFunctionBegin;
+  UserCheck(!flow->scene->frame, "-probe_budget: its boxes stand, and those of -motion frame turn; "
+                                 "use -motion eulerian or lagrangian");
   PetscCall(BudgetCreate(flow, monitor->n, monitor->parameter));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

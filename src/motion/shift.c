@@ -123,7 +123,7 @@ PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
       *needs |= NEED_CONCENTRATION;
     }
   }
-  if (SceneHas(scene, PHYSICS_CONVECTION)) {
+  if (scene->motion) {
     s->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
     if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;

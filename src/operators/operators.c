@@ -38,7 +38,7 @@ unsigned SceneNeeds(const Scene *scene)
 
   if (SceneHas(scene, PHYSICS_VISCOSITY)) needs |= NEED_VISCOSITY;
   if (SceneHas(scene, PHYSICS_PRESSURE)) needs |= NEED_PRESSURE;
-  if (SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene)) needs |= NEED_GRADIENT_U;
+  if (scene->motion || !SceneIsNewtonian(scene)) needs |= NEED_GRADIENT_U;
   return needs;
 }
 

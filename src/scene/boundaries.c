@@ -258,7 +258,8 @@ PetscBool SceneIsClosedBox(const Scene *scene)
   BodyGivenMotion - Computes the given velocity of the centre of a body [m/s] and its given angular
   velocity [rad/s] at time t
 
-  Not collective. A given position gives the velocity by ExpressionRate().
+  Not collective. A given position gives the velocity by ExpressionRate(). A body that rides
+  has the motion of the frame.
 */
 void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[],
                      PetscReal spin[])
@@ -267,6 +268,12 @@ void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u
   const PetscReal tau      = scene->length / scene->speed;
   const PetscBool axes     = boundary->rotation.n > 1;
 
+  if (boundary->rides) {
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) u[a] = spin[a] = 0.0;
+    SceneFrameVelocity(scene, t, boundary->body.centre, u);
+    spin[2] = SceneFrameRate(scene, t);
+    return;
+  }
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     u[a] = spin[a] = 0.0;
     if (a < scene->dim)
@@ -297,16 +304,18 @@ void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], P
 
     u = V(t) + w(t) x (x - X)   for a body with centre X,   V(t, x) for a side of the box
 
-  Not collective. A case may define the velocities of the sides by a function. An inflow is at rest
-  outside its opening; in it the normal velocity is (1 -+ surplus) V, - where it enters, so that no
-  more enters than leaves, see SceneCheckInflow().
+  Not collective. In a turning frame V of a side is turned into its axes. A case may define the
+  velocities of the sides by a function. An inflow is at rest outside its opening; in it the normal
+  velocity is (1 -+ surplus) V, - where it enters, so that no more enters than leaves, see
+  SceneCheckInflow().
 */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[])
 {
-  const Boundary *boundary = &scene->boundary[side];
-  const Body     *body     = BoundaryBody(scene, side);
-  PetscReal       r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM];
+  const Boundary  *boundary = &scene->boundary[side];
+  const Body      *body     = BoundaryBody(scene, side);
+  PetscReal        r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], y[ISPH_MAX_DIM];
+  const PetscReal *place;
 
   if (body) {
     BodyMotion(scene, side, t, V, w);
@@ -315,7 +324,10 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
       u[c] = V[c] + (w[(c + 1) % 3] * r[(c + 2) % 3] - w[(c + 2) % 3] * r[(c + 1) % 3]);
     return;
   }
-  for (PetscInt c = 0; c < scene->dim; c++) u[c] = ExpressionValue(&boundary->velocity, c, t, x);
+  place = SceneLaboratoryPlace(scene, t, x, y);
+  for (PetscInt c = 0; c < scene->dim; c++)
+    u[c] = ExpressionValue(&boundary->velocity, c, t, place);
+  SceneIntoFrame(scene, t, u);
   if (scene->problem->WallVelocity) {
     scene->problem->WallVelocity(scene, side, t, x, u);
   }
@@ -327,16 +339,17 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 /* Computes the rates of the velocity of a body and of its angular velocity at time t. */
 static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a[], PetscReal dw[])
 {
-  const Boundary *boundary = &scene->boundary[side];
-  const PetscReal tau = scene->length / scene->speed, h = 1e-3 * tau, at = PetscMax(t, h);
-  const PetscBool axes = boundary->rotation.n > 1;
+  const Boundary   *boundary = &scene->boundary[side];
+  const PetscReal   tau = scene->length / scene->speed, h = 1e-3 * tau, at = PetscMax(t, h);
+  const PetscBool   axes     = boundary->rotation.n > 1;
+  const Expression *rotation = boundary->rides ? &scene->frame->rate : &boundary->rotation;
 
   for (PetscInt c = 0; c < scene->dim && boundary->free; c++)
     a[c] = boundary->body.pose->rate[0][c];
   for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) {
     if (boundary->free) dw[c] = boundary->body.pose->rate[1][c];
     if (boundary->free) continue;
-    dw[c] = axes || c == 2 ? ExpressionRate(&boundary->rotation, axes ? c : 0, t, NULL, tau) : 0.0;
+    dw[c] = axes || c == 2 ? ExpressionRate(rotation, axes ? c : 0, t, NULL, tau) : 0.0;
     if (c >= scene->dim) continue;
     a[c] = ExpressionRate(&boundary->velocity, c, t, NULL, tau);
     if (boundary->position.n)
@@ -344,6 +357,12 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
               2.0 * ExpressionValue(&boundary->position, c, at, NULL) +
               ExpressionValue(&boundary->position, c, at - h, NULL)) /
              PetscSqr(h);
+  }
+  for (PetscInt c = 0; c < 2 && boundary->rides; c++) {
+    const PetscReal *X = scene->frame->centre, *x = boundary->body.centre;
+    const PetscReal  w = SceneHas(scene, PHYSICS_CONVECTION) ? SceneFrameRate(scene, t) : 0.0;
+
+    a[c] = (c ? dw[2] : -dw[2]) * (x[1 - c] - X[1 - c]) - PetscSqr(w) * (x[c] - X[c]);
   }
 }
 
@@ -363,11 +382,12 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   const Boundary *boundary = &scene->boundary[side];
   const Body     *body     = BoundaryBody(scene, side);
   const PetscReal tau      = scene->length / scene->speed;
-  PetscReal       r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], dw[ISPH_MAX_DIM];
+  PetscReal r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], dw[ISPH_MAX_DIM], y[ISPH_MAX_DIM];
 
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (!body) {
-    a[side / 2] = ExpressionRate(&boundary->velocity, side / 2, t, x, tau);
+    a[side / 2] =
+        ExpressionRate(&boundary->velocity, side / 2, t, SceneLaboratoryPlace(scene, t, x, y), tau);
     return;
   }
   BodyMotion(scene, side, t, V, w);

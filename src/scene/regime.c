@@ -83,7 +83,7 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_MOVES, SceneMoves(scene));
   RegimeSetFact(r, FACT_SURFACE, SceneHasFreeSurface(scene));
   RegimeSetFact(r, FACT_WALLS, SceneHas(scene, PHYSICS_WALLS));
-  RegimeSetFact(r, FACT_CONVECTION, SceneHas(scene, PHYSICS_CONVECTION));
+  RegimeSetFact(r, FACT_CONVECTION, scene->motion ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_PRESSURE, SceneHas(scene, PHYSICS_PRESSURE));
   RegimeSetFact(r, FACT_VARIES, SceneViscosityVaries(scene));
   RegimeSetFact(r, FACT_CURVED, SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies);

@@ -1,13 +1,23 @@
 /*
-  Functions that return properties of a scene: physics, dimensionless numbers and force.
-  scenecreate.c creates the scene; for its lattice see spacing.c.
+  Functions that return properties of a scene: physics, dimensionless numbers, force, and the frame
+  of reference. scenecreate.c creates the scene; for its lattice see spacing.c.
+
+  In a frame that turns with the rate w(t) about an axis along z, unknowns are the components of the
+  velocity u relative to the laboratory along the axes of the frame. Fixed particles there see
+
+    du/dt + (u - w z x r).grad u + w z x u = f - grad p/rho + nu lap u,   div u = 0,
+
+  r: place relative to the axis. Bodies that turn with the frame, and walls that are round about the
+  axis, keep their places in it, so that matrices are built once.
 */
 #include "isph/scene.h"
 
 const char *const PhysicsNames[PHYSICS_COUNT + 1] = {"viscosity", "pressure",   "convection",
                                                      "walls",     "body_force", NULL};
 
-/* Both motions use the same arbitrary Lagrangian-Eulerian step; only the velocity of the particles
+#define PANELS 64 /* of the integral of the rate of the frame, in L/U */
+
+/* All motions use the same arbitrary Lagrangian-Eulerian step; only the velocity of the particles
    differs. */
 static const MotionRow motions[] = {
     {
@@ -20,6 +30,13 @@ static const MotionRow motions[] = {
         .name     = "eulerian",
         .brief    = "particles stay; du/dt gains -u.grad u; operators are built once",
         .citation = "",
+    },
+    {
+        .name     = "frame",
+        .brief    = "particles and bodies that are not round turn with a frame about z; else as "
+                    "eulerian",
+        .citation = "",
+        .turns    = PETSC_TRUE,
     },
 };
 const Table MotionTable = TABLE("Motions", motions);
@@ -88,17 +105,154 @@ PetscBool SceneKeepsMomentum(const Scene *scene)
   return scene->n_bodies || SceneHas(scene, PHYSICS_BODY_FORCE) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time */
+/* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time, as a
+   force of the laboratory does in a turning frame */
 PetscBool SceneIsDrivenInTime(const Scene *scene)
 {
   return scene->unsteady_walls ||
-         (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME));
+         (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)) ||
+         (scene->frame && SceneHas(scene, PHYSICS_BODY_FORCE));
 }
 
 /* SceneBodyForce - Computes the body force per unit mass at a position and time [m/s^2]; not
    collective */
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {
+  PetscReal        y[ISPH_MAX_DIM];
+  const PetscReal *place = SceneLaboratoryPlace(scene, t, x, y);
+
   for (PetscInt a = 0; a < scene->dim; a++)
-    f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, x) : scene->body_force[a];
+    f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, place) : scene->body_force[a];
+  SceneIntoFrame(scene, t, f);
+}
+
+/* SceneFrameRate - Returns the rotation rate of the frame of reference, 0 in the laboratory
+   [rad/s]; not collective */
+PetscReal SceneFrameRate(const Scene *scene, PetscReal t)
+{
+  return scene->frame ? ExpressionValue(&scene->frame->rate, 0, t, NULL) : 0.0;
+}
+
+/* Returns the integral of the rate from a to b by Gauss' formula with three points. */
+static PetscReal Turned(const TurningFrame *frame, PetscReal a, PetscReal b)
+{
+  const PetscReal middle = 0.5 * (a + b), way = PetscSqrtReal(0.6) * 0.5 * (b - a);
+
+  return (b - a) / 18.0 *
+         (5.0 * (ExpressionValue(&frame->rate, 0, middle - way, NULL) +
+                 ExpressionValue(&frame->rate, 0, middle + way, NULL)) +
+          8.0 * ExpressionValue(&frame->rate, 0, middle, NULL));
+}
+
+/*
+  SceneFrameAngle - Returns the angle by which the frame has turned since t = 0, 0 in the
+  laboratory [rad]
+
+  Not collective. It depends on t alone, and not on the steps of a run. A steady flow, at t =
+  infinity, is that of the frame at t = 0.
+*/
+PetscReal SceneFrameAngle(const Scene *scene, PetscReal t)
+{
+  TurningFrame   *f     = scene->frame;
+  const PetscReal panel = scene->length / scene->speed / PANELS;
+  PetscInt        whole;
+
+  if (!f || PetscIsInfReal(t)) return 0.0;
+  if (!ExpressionUses(&f->rate, EXPRESSION_TIME)) return t * SceneFrameRate(scene, t);
+  if (t == f->t) return f->angle;
+  whole = PetscMax((PetscInt)(t / panel), 0);
+  if (whole >= f->panels) {
+    PetscCallAbort(PETSC_COMM_SELF,
+                   PetscRealloc(sizeof(PetscReal) * (size_t)(2 * whole + PANELS), &f->sum));
+    for (f->panels = PetscMax(f->panels, 1), f->sum[0] = 0.0; f->panels < 2 * whole + PANELS;
+         f->panels++)
+      f->sum[f->panels] = f->sum[f->panels - 1] + Turned(f, (PetscReal)(f->panels - 1) * panel,
+                                                         (PetscReal)f->panels * panel);
+  }
+  f->t     = t;
+  f->angle = f->sum[whole] + Turned(f, (PetscReal)whole * panel, t);
+  return f->angle;
+}
+
+/* Turns a vector about z by an angle. */
+static void Turn(PetscReal angle, PetscReal v[])
+{
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), x = v[0];
+
+  v[0] = c * x - s * v[1];
+  v[1] = s * x + c * v[1];
+}
+
+/* SceneIntoFrame - Turns components along the axes of the laboratory into those along the axes of
+   the frame; not collective */
+void SceneIntoFrame(const Scene *scene, PetscReal t, PetscReal v[])
+{
+  if (scene->frame) Turn(-SceneFrameAngle(scene, t), v);
+}
+
+/* SceneOutOfFrame - Turns components along the axes of the frame into those along the axes of the
+   laboratory; not collective */
+void SceneOutOfFrame(const Scene *scene, PetscReal t, PetscReal v[])
+{
+  if (scene->frame) Turn(SceneFrameAngle(scene, t), v);
+}
+
+/* Turns a place about the axis of the frame by an angle. */
+static void TurnPlace(const TurningFrame *frame, PetscReal angle, PetscReal x[])
+{
+  PetscReal r[2];
+
+  for (PetscInt a = 0; a < 2; a++) r[a] = x[a] - frame->centre[a];
+  Turn(angle, r);
+  for (PetscInt a = 0; a < 2; a++) x[a] = r[a] + frame->centre[a];
+}
+
+/* ScenePlaceIntoFrame - Turns a place of the laboratory into one of the frame [m]; not collective
+ */
+void ScenePlaceIntoFrame(const Scene *scene, PetscReal t, PetscReal x[])
+{
+  if (scene->frame) TurnPlace(scene->frame, -SceneFrameAngle(scene, t), x);
+}
+
+/* ScenePlaceOutOfFrame - Turns a place of the frame into one of the laboratory [m]; not collective
+ */
+void ScenePlaceOutOfFrame(const Scene *scene, PetscReal t, PetscReal x[])
+{
+  if (scene->frame) TurnPlace(scene->frame, SceneFrameAngle(scene, t), x);
+}
+
+/* SceneLaboratoryPlace - Returns the place in the laboratory of a place of the frame: x, or y after
+   it is set [m]; not collective */
+const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const PetscReal x[],
+                                      PetscReal y[ISPH_MAX_DIM])
+{
+  if (!scene->frame) return x;
+  for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a];
+  ScenePlaceOutOfFrame(scene, t, y);
+  return y;
+}
+
+/* SceneFrameVelocity - Computes the velocity w z x r of a point that turns with the frame, 0 in the
+   laboratory [m/s]; not collective */
+void SceneFrameVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal w[])
+{
+  const PetscReal rate = SceneFrameRate(scene, t);
+
+  for (PetscInt a = 0; a < scene->dim; a++) w[a] = 0.0;
+  if (!scene->frame) return;
+  w[0] = -rate * (x[1] - scene->frame->centre[1]);
+  w[1] = rate * (x[0] - scene->frame->centre[0]);
+}
+
+/* ScenePassing - Changes the velocity of the fluid at x into the one with which it convects past
+   fixed particles: less that of the frame, and without convection that alone [m/s]; not collective
+ */
+void ScenePassing(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal v[])
+{
+  PetscReal w[ISPH_MAX_DIM];
+
+  if (!scene->frame) return;
+  SceneFrameVelocity(scene, t, x, w);
+  for (PetscInt a = 0; a < scene->dim; a++)
+    v[a] = (SceneHas(scene, PHYSICS_CONVECTION) ? v[a] : 0.0) - w[a];
 }

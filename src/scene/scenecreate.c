@@ -155,7 +155,7 @@ static const OptionRow options[] = {
             .brief    = "motion of the particles",
             .standard = "lagrangian",
             .table    = &MotionTable,
-            .where    = "flows with convection",
+            .where    = "flows with convection; frame with -case scene",
         },
     [JITTER] =
         {
@@ -362,7 +362,7 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 . -body_force fx,fy,fz    - force per unit mass, replaces the force of the case; with -case scene
                             expressions of x, y, t [m/s^2]
 . -with, -without names   - physics added to the physics of the case, or removed from it
-. -motion name            - row of MotionTable; read only with convection
+. -motion name            - row of MotionTable; without convection none but frame
 . -jitter J               - largest random displacement of the start lattice [dx]
 . -seed S                 - seed of the jitter, of the first shift and of random fields
 . -solid_fraction c       - share of the box filled by the bodies of an array; for such cases only
@@ -372,7 +372,8 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 */
 PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
 {
-  Scene *s;
+  PetscBool given;
+  Scene    *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
@@ -382,8 +383,14 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
   PetscCall(SceneReadNumbers(s));
   SceneSetSides(s, &BoundaryWall);
   if (!s->problem->patch) PetscCall(SceneReadRheology(s));
-  if (SceneHas(s, PHYSICS_CONVECTION)) {
+  PetscCall(OptionGiven(options[MOTION].name, &given));
+  if (SceneHas(s, PHYSICS_CONVECTION) || given) {
     PetscCall(OptionGetRow(&options[MOTION], NULL, &s->motion));
+    UserCheck(SceneHas(s, PHYSICS_CONVECTION) || s->motion->turns,
+              "-motion %s: without convection particles stay; allowed is frame", s->motion->name);
+    UserCheck(s->problem->typed || !s->motion->turns,
+              "-motion %s: the walls of case %s are not those of a rotor; allowed with -case scene",
+              s->motion->name, s->problem->name);
   }
   if (s->problem->typed) {
     PetscCall(SceneNameConstants(s));
@@ -418,6 +425,8 @@ PetscErrorCode SceneDestroy(Scene **scene)
   PetscCall(PetscFree((*scene)->pose));
   PetscCall(PetscFree((*scene)->regime));
   PetscCall(SceneFreeShapes(*scene));
+  if ((*scene)->frame) PetscCall(PetscFree((*scene)->frame->sum));
+  PetscCall(PetscFree((*scene)->frame));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -190,10 +190,12 @@ static PetscErrorCode CheckSurfaceMotion(const Scene *scene, const Boundary *bou
               "velocity would carry fluid through its surface; use -motion lagrangian",
               v->option, scene->motion->name);
   for (PetscInt c = 0; c < w->n; c++)
-    UserCheck(boundary->body.shape->round || !IsSteady(scene, w, c),
-              "%s with -motion %s: particles stay where they are, and a %s with them; a steady "
-              "rotation would carry fluid through its surface; use -motion lagrangian",
-              w->option, scene->motion->name, boundary->body.shape->name);
+    UserCheck(
+        boundary->body.shape->round || !IsSteady(scene, w, c),
+        "%s with -motion %s: particles stay where they are, and a %s with them; a steady "
+        "rotation would carry fluid through its surface; use -motion lagrangian, or frame in a "
+        "round vessel",
+        w->option, scene->motion->name, boundary->body.shape->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -236,7 +238,8 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
     scene->unsteady_walls = PETSC_TRUE;
   PetscCall(SceneReadFreedom(scene, k, boundary));
   boundary->moves = SceneMoves(scene) && (ChangesPlace(boundary) || boundary->free);
-  if (!boundary->moves) PetscCall(CheckSurfaceMotion(scene, boundary));
+  if (!boundary->moves && !(scene->motion && scene->motion->turns))
+    PetscCall(CheckSurfaceMotion(scene, boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -472,6 +475,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(ReadBodies(scene));
   PetscCall(ReadFields(scene));
   PetscCall(ReadSides(scene));
+  PetscCall(SceneReadFrame(scene));
   PetscCall(SceneReadOpenings(scene));
   if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFilled(scene));

@@ -1,6 +1,6 @@
 /*
   Checks of a typed scene before any particle exists: gaps between bodies, regions filled at the
-  start, and the balance of inflow and outflow through the sides.
+  start, the balance of inflow and outflow through the sides, and what stays in a turning frame.
 */
 #include "isph/scene.h"
 
@@ -8,6 +8,31 @@
 #define OPEN_CORNER  0.75   /* cosine of the least angle between a body and an opening */
 #define UNBALANCED   2e-3   /* largest part of a flow that enters and does not leave */
 #define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
+#define THROUGH      1e-6   /* normal part of a tangential velocity, by rounding [-] */
+#define SAMPLES      8      /* times at which two rates are compared */
+
+enum { FRAME_ROTATION, FRAME_CENTRE };
+static const OptionRow options[] = {
+    [FRAME_ROTATION] =
+        {
+            .name     = "-frame_rotation",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "rotation rate of the frame of reference about z, of t",
+            .unit     = "rad/s",
+            .standard = "that of the first body that is not round",
+            .where    = "-motion frame",
+        },
+    [FRAME_CENTRE] =
+        {
+            .name     = "-frame_centre",
+            .kind     = VALUE_REALS,
+            .brief    = "point x,y about which the frame turns",
+            .unit     = "m",
+            .standard = "centre of that body, or the middle of the box",
+            .where    = "-motion frame",
+        },
+};
+const OptionTable FrameOptions = OPTIONS("Turning frame of reference", options);
 
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
@@ -267,5 +292,123 @@ PetscErrorCode SceneCheckFluids(const Scene *scene)
     }
   }
   PetscCall(PetscFree(least));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the largest part along the normal of a rotation of the surface of body k about a point,
+   relative to its velocity; 0 for surfaces that are round about it. */
+static PetscReal ThroughSurface(const Scene *scene, PetscInt k, const PetscReal centre[2])
+{
+  const Body     *body    = SceneBody(scene, k);
+  const PetscReal spacing = BodySpacing(scene, body);
+  PetscReal       most    = 0.0;
+
+  for (PetscInt q = 0; q < BodyPoints(body, spacing); q++) {
+    PetscReal x[ISPH_MAX_DIM], n[ISPH_MAX_DIM], r[2];
+
+    (void)BodyPoint(body, q, spacing, x, n);
+    for (PetscInt a = 0; a < 2; a++) r[a] = x[a] - centre[a];
+    most = PetscMax(most, PetscAbsReal(n[1] * r[0] - n[0] * r[1]) / body->extent);
+  }
+  return most;
+}
+
+/* Returns true if two rates are the same function of t. */
+static PetscBool AreSame(const Scene *scene, const Expression *a, const Expression *b)
+{
+  for (PetscInt k = 0; k < SAMPLES; k++) {
+    const PetscReal t = 0.37 * k * scene->length / scene->speed;
+
+    if (ExpressionValue(a, 0, t, NULL) != ExpressionValue(b, 0, t, NULL)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Lets body k turn with the frame unless it is round about the axis; refuses motions through its
+   surface. */
+static PetscErrorCode RideBody(Scene *scene, PetscInt k)
+{
+  const TurningFrame *frame    = scene->frame;
+  Boundary           *boundary = &scene->boundary[SceneBodySide(scene, k)];
+  PetscReal           off      = 0.0;
+
+  PetscFunctionBegin;
+  UserCheck(!boundary->velocity.n && boundary->rotation.n <= 1,
+            "-scene_body_%" PetscInt_FMT
+            ": with -motion frame bodies turn about the axis of the frame and do "
+            "not travel; give one rate, -scene_body_%" PetscInt_FMT "_rotation",
+            k + 1, k + 1);
+  boundary->rides = ThroughSurface(scene, k, frame->centre) > THROUGH ? PETSC_TRUE : PETSC_FALSE;
+  if (!boundary->rides || !boundary->rotation.n) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < 2; a++)
+    off = PetscMax(off, PetscAbsReal(boundary->body.centre[a] - frame->centre[a]));
+  UserCheck(
+      off <= THROUGH * scene->dx && AreSame(scene, &boundary->rotation, &frame->rate),
+      "-scene_body_%" PetscInt_FMT "_rotation: the body is not round about the axis of -motion "
+      "frame at (%.6g, %.6g), and turns with the frame; leave its rotation out, or use -motion "
+      "lagrangian",
+      k + 1, (double)frame->centre[0], (double)frame->centre[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses sides of the box that are not round about the axis, unless they are in a solid. */
+static PetscErrorCode CheckFrameSides(Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const BoundaryRow *kind = scene->boundary[side].kind;
+
+    UserCheck(
+        side >= 4 || kind == &BoundaryNone,
+        "-motion frame: the %s side of the box is not round about the axis of the frame; put "
+        "the fluid inside a round body with -scene_body_<k>_around, or use -motion lagrangian",
+        BoxSides[side]);
+    UserCheck(!(kind->properties & (BOUNDARY_FREE | BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)),
+              "-motion frame: %s has no fixed particles in a turning frame; allowed along z are "
+              "walls, periodic sides and symmetry",
+              kind->option.name);
+    if (scene->boundary[side].velocity.n) scene->unsteady_walls = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneReadFrame - Reads the frame of reference of -motion frame; nothing for other motions
+
+  Collective. To be called when sides and bodies are known.
+
+  Options Database Keys:
++ -frame_rotation w - rate of rotation about z [rad/s] (t)
+- -frame_centre x,y - a point of the axis [m]
+
+  Errors: bodies and sides whose places in the frame would change end the run
+*/
+PetscErrorCode SceneReadFrame(Scene *scene)
+{
+  const Boundary *rotor = NULL;
+  PetscInt        n     = 2;
+  PetscBool       given;
+  TurningFrame   *f;
+
+  PetscFunctionBegin;
+  if (!scene->motion || !scene->motion->turns) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < scene->n_bodies && !rotor; k++)
+    if (ThroughSurface(scene, k, SceneBody(scene, k)->centre) > THROUGH)
+      rotor = &scene->boundary[SceneBodySide(scene, k)];
+  PetscCall(PetscNew(&f));
+  f->t = NAN;
+  for (PetscInt a = 0; a < 2; a++)
+    f->centre[a] = rotor ? rotor->body.centre[a] : 0.5 * (scene->lo[a] + scene->hi[a]);
+  PetscCall(ExpressionGet(scene->scope, &options[FRAME_ROTATION], 1, 1, EXPRESSION_TIME, &f->rate,
+                          &given));
+  if (!given && rotor) f->rate = rotor->rotation;
+  UserCheck(f->rate.n, "-motion frame: the rate at which the frame turns is required; give "
+                       "-frame_rotation, or -scene_body_<k>_rotation of a body that is not round");
+  PetscCall(OptionGetReals(&options[FRAME_CENTRE], 2, f->centre, &n, &given));
+  UserCheck(!given || n == 2, "-frame_centre: 2 numbers are required, got %" PetscInt_FMT, n);
+  scene->frame = f;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) PetscCall(RideBody(scene, k));
+  PetscCall(CheckFrameSides(scene));
+  if (ExpressionUses(&f->rate, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -115,9 +115,9 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
 
 /* terms.c */
 PetscErrorCode CoupledForce(Coupled *coupled);
-PetscErrorCode CoupledSecondForce(Coupled *coupled, PetscReal weight);
+PetscErrorCode CoupledSecondForce(Coupled *coupled, PetscReal first, PetscReal weight);
 PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
-PetscErrorCode CoupledAddConvection(Coupled *coupled, Vec x, PetscReal scale, Vec f);
+PetscErrorCode CoupledAddConvection(Coupled *coupled, PetscReal t, Vec x, PetscReal scale, Vec f);
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx);
 PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
                                 void *ctx);

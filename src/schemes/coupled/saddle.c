@@ -143,9 +143,29 @@ static PetscErrorCode TimesOfRows(const Particles *p, const Saddle *s, Vec *time
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components; v:
-   `advecting`, if given. Terms that are the same for each component are summed up before they are
-   interlaced, and F is a MATMAIJ if it has no others. */
+/* Creates the matrix of w z x u, by which the axes of a turning frame turn. */
+static PetscErrorCode CreateTurn(const Flow *flow, Mat *turn)
+{
+  const PetscInt  dim = flow->scene->dim, n = dim * flow->particles->n_fluid;
+  const PetscReal rate = SceneFrameRate(flow->scene, flow->clock->t);
+  PetscInt        first;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(flow->particles->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0,
+                         NULL, turn));
+  PetscCall(MatGetOwnershipRange(*turn, &first, NULL));
+  for (PetscInt i = first; i < first + n; i += dim) {
+    PetscCall(MatSetValue(*turn, i, i + 1, -rate, INSERT_VALUES));
+    PetscCall(MatSetValue(*turn, i + 1, i, rate, INSERT_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(*turn, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*turn, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components, and in a
+   turning frame T_i w z x u; v: `advecting`, if given. Terms that are the same for each component
+   are summed up before they are interlaced, and F is a MATMAIJ if it has no others. */
 static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], MatType type,
                                      Saddle *s)
 {
@@ -172,6 +192,10 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
     PetscCall(MatConvert(term, MATAIJ, MAT_INPLACE_MATRIX, &term));
     PetscCall(AddTerm(term, &s->F));
     PetscCall(MatDestroy(&scalar));
+  }
+  if (advecting && scene->frame) {
+    PetscCall(CreateTurn(flow, &term));
+    PetscCall(AddTerm(term, &s->F));
   }
   if (!s->component) {
     PetscCall(MatSetBlockSize(s->F, scene->dim));

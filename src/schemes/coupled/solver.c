@@ -38,7 +38,8 @@ static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
   PetscCall(PetscOptionsGetString(NULL, prefix[0], "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCSHELL, &same));
   PetscCall(PetscStrcmp(c->guard.mat_type, MATSAME, &c->saddle.repeats));
-  c->saddle.repeats = same && c->saddle.repeats && !flow->ops->forms.components_coupled;
+  c->saddle.repeats = same && c->saddle.repeats && !flow->ops->forms.components_coupled &&
+                      !(flow->scene->frame && flow->clock->steady_solve);
   if (same) PetscCall(VelocityBlockCreate(flow, c->saddle.repeats, &c->velocity));
   else PetscCall(AmgDefaults(prefix[0], "0"));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -85,7 +85,7 @@ static PetscErrorCode StepEuler(PetscReal t, PetscReal h, const Vec start[], Cou
   PetscCall(CoupledRightHandSide(c, t));
   PetscCall(VecDuplicate(c->b, &b));
   PetscCall(VecCopy(c->b, b));
-  if (c->convects) PetscCall(CoupledAddConvection(c, c->x, -T, b));
+  if (c->convects) PetscCall(CoupledAddConvection(c, t, c->x, -T, b));
   for (PetscInt a = 0; a < c->saddle.dim; a++)
     PetscCall(SaddleAdd(&c->saddle, a, T / h, start[a], b));
   PetscCall(SolveLinear(b, c, failure));
@@ -203,7 +203,8 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
                               Coupled *c, StepFailure *failure)
 {
   const Scene    *scene    = flow->scene;
-  const PetscBool convects = !start && SceneHas(scene, PHYSICS_CONVECTION);
+  const PetscBool convects = !start && flow->state->has_convection;
+  Vec             past[ISPH_MAX_DIM];
   Vec             pressure = Pressure(flow);
   PetscReal       change   = PETSC_INFINITY;
   PetscBool       tight = PETSC_TRUE, done = PETSC_FALSE;
@@ -211,10 +212,13 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   PetscFunctionBegin;
   if (!SceneIsNewtonian(scene))
     PetscCall(TangentCreate(scene, flow->particles, flow->ops, &c->tangent));
+  for (PetscInt a = 0; a < scene->dim && convects; a++) PetscCall(FlowGetWork(flow, &past[a]));
   PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
   PetscCall(Linearise(flow, v, c));
   for (PetscInt k = 0; k < PICARD_MOST && !done && !failure->code; k++) {
-    PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? v : NULL, c));
+    for (PetscInt a = 0; a < scene->dim && convects; a++) PetscCall(VecCopy(v[a], past[a]));
+    if (convects) PetscCall(ConvectionPass(flow, flow->clock->t, past));
+    PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? past : NULL, c));
     PetscCall(SaddlePut(&c->saddle, v, pressure, c->x));
     if (start) {
       PetscCall(StepEuler(c->end, dt, start, c, failure));
@@ -231,6 +235,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   }
   if (!done && !failure->code) FailIteration(flow, change, c, failure);
   PetscCall(TangentDestroy(&c->tangent));
+  for (PetscInt a = 0; a < scene->dim && convects; a++) PetscCall(FlowRestoreWork(flow, &past[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,7 +250,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   Splines        *sp      = flow->scheme->splines;
   StepFailure    *failure = &flow->scheme->failure;
   const PetscBool steady = clock->steady_solve, newtonian = SceneIsNewtonian(flow->scene);
-  const PetscBool iterates = !newtonian || (steady && SceneHas(flow->scene, PHYSICS_CONVECTION));
+  const PetscBool iterates = !newtonian || (steady && flow->state->has_convection);
   Vec             u[ISPH_MAX_DIM], v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -305,7 +310,7 @@ static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
   PetscCall(SolveSystem(flow, k, c));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   c->end = flow->clock->t + flow->clock->dt;
-  PetscCall(CoupledSecondForce(c, PetscSqr(STAGE_RATIO)));
+  PetscCall(CoupledSecondForce(c, flow->clock->t + k, PetscSqr(STAGE_RATIO)));
   for (PetscInt a = 0; a < flow->scene->dim; a++)
     PetscCall(VecAXPBY(s->u_next[a], 1.0 - STAGE_RATIO, STAGE_RATIO, s->u[a]));
   PetscCall(SolveSystem(flow, k, c));

@@ -22,11 +22,12 @@ PetscErrorCode CoupledForce(Coupled *c)
   CoupledSecondForce - Sets the force per unit mass of the second stage of StepFirst(), from the
   velocity u_1 of the first one in u_next
 
-    f - N^n - weight (N_1 - N^n),   N = u.grad u for fixed particles, otherwise 0
+    f - N^n - weight (N_1 - N^n),   N of ConvectionExplicit() for fixed particles, otherwise 0
 
-  Collective. CoupledForce() has set the force of the first stage and kept N^n for the next step.
+  Collective. CoupledForce() has set the force of the first stage, which ended at `first`, and kept
+  N^n for the next step.
 */
-PetscErrorCode CoupledSecondForce(Coupled *c, PetscReal weight)
+PetscErrorCode CoupledSecondForce(Coupled *c, PetscReal first, PetscReal weight)
 {
   Flow      *flow = c->flow;
   FlowState *s    = flow->state;
@@ -35,8 +36,7 @@ PetscErrorCode CoupledSecondForce(Coupled *c, PetscReal weight)
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
   for (PetscInt a = 0; s->has_convection && a < flow->scene->dim; a++) {
-    PetscCall(
-        ConvectionApply(flow, s->u_next, a, s->u_next[a], flow->walls.u[a], c->work, c->part));
+    PetscCall(ConvectionExplicit(flow, first, s->u_next, a, c->work, c->part));
     PetscCall(VecAXPY(c->force[a], weight - 1.0, s->convection_prev[a]));
     PetscCall(VecAXPY(c->force[a], -weight, c->part));
   }
@@ -158,17 +158,16 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledAddConvection - Adds scale T_i/T times the convective term u.grad u to the momentum rows
-   of f, u: the velocity in x; for T_i/T see SaddleAdd(); collective */
-PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
+/* CoupledAddConvection - Adds scale T_i/T times the convective term of the velocity in x at time t
+   to the momentum rows of f; for T_i/T see SaddleAdd(); collective */
+PetscErrorCode CoupledAddConvection(Coupled *c, PetscReal t, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
 
   PetscFunctionBegin;
   PetscCall(SaddleGet(s, x, c->u, NULL));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(ConvectionCentral(s->dim, &c->flow->ops->velocity[0], c->u, c->u[a],
-                                c->flow->walls.u[a], c->work, c->part));
+    PetscCall(ConvectionExplicit(c->flow, t, c->u, a, c->work, c->part));
     PetscCall(SaddleAdd(s, a, scale, c->part, f));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -208,7 +207,7 @@ PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void
   PetscCall(CoupledRightHandSide(c, t));
   PetscCall(MatMult(s->A, x, f));
   PetscCall(VecAXPY(f, -1.0, c->b));
-  if (c->convects) PetscCall(CoupledAddConvection(c, x, s->step, f));
+  if (c->convects) PetscCall(CoupledAddConvection(c, t, x, s->step, f));
   PetscCall(SaddleAddInertia(s, x, xdot, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,9 +27,10 @@ PetscErrorCode PredictVelocity(Flow *flow)
   const PetscBool             convects = flow->state->has_convection;
   const ViscousIntegratorRow *row      = pr->visc ? pr->visc->row : NULL;
   const PetscBool             implicit = flow->state->implicit_convection;
-  const PetscBool             inner = convects && row && (implicit || row->terms != TIME_IMPLICIT);
-  const PetscReal             at    = !row || row->end_of_step ? 1.0 : 0.5;
-  const PetscInt              dim   = flow->scene->dim;
+  const PetscBool             inner  = convects && row && (implicit || row->terms != TIME_IMPLICIT);
+  const PetscReal             at     = !row || row->end_of_step ? 1.0 : 0.5;
+  const PetscInt              dim    = flow->scene->dim;
+  const PetscReal             middle = flow->clock->t + at * flow->clock->dt;
   Vec                         force[ISPH_MAX_DIM] = {NULL}, v[ISPH_MAX_DIM] = {NULL};
   PetscReal                   dt;
 
@@ -39,10 +40,13 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscCall(HistoryStart(flow, !row || row->history, &dt));
   PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && pr->space->StartStep) PetscCall(pr->space->StartStep(flow));
-  PetscCall(ProjectionForce(flow, flow->clock->t + at * flow->clock->dt, force));
+  PetscCall(ProjectionForce(flow, middle, force));
   if (inner) {
     PetscCall(VelocityExtrapolate(flow, at, v));
     PetscCall(VelocityFilterRates(flow, v));
+    for (PetscInt a = 0; a < dim; a++)
+      PetscCall(ConvectionTurn(flow, middle, -1.0, v, a, force[a]));
+    PetscCall(ConvectionPass(flow, middle, v));
   } else if (convects) {
     PetscCall(ConvectionExtrapolate(flow, at, force));
   }

@@ -34,8 +34,8 @@ static PetscBool IsFlatAndFixed(const Scene *scene)
 static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 {
   const Scene    *scene = flow->scene;
-  const PetscBool brief = SceneHas(scene, PHYSICS_CONVECTION) &&
-                          !flow->state->implicit_convection && flow->ops->forms.degree < 4;
+  const PetscBool brief =
+      scene->motion && !flow->state->implicit_convection && flow->ops->forms.degree < 4;
 
   return IsFlatAndFixed(scene) && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST);
 }
