@@ -42,6 +42,8 @@ CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
 COMPRESSIBLE = ["-scheme", "wcsph"]
 GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_viscosity", "implicit"]
 FLUIDS = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-scene_fluid_1", "circle,0.5,0.7,0.2", "-scene_fluid_1_viscosity", "1"]
+BODIES = ["-case", "scene", "-scene_body_1", "box,0.3,0.4,0.7,0.6", "-scene_body_1_rotation", "1", "-scene_body_1_velocity",
+          "0,0.3*sin(t)"]
 OPENINGS = ["-case", "scene", "-scene_inflow", "left", "-scene_outflow", "right", "-scene_wall_left_velocity", "6*y*(1-y),0",
             "-scene_velocity", "6*y*(1-y),0", "-viscosity", "0.1"]  # particles enter and leave
 JET = ["-case", "scene", "-scene_box", "0,0,2,1.5", "-scene_inflow", "top", "-scene_opening_top", "0.5,1.5", "-scene_outflow",
@@ -132,7 +134,7 @@ def ranked(command, n):
 
 
 ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "impact", "compressible", "openings", \
-    "jet", "fluids"
+    "jet", "fluids", "bodies"
 
 
 def checksum(path):
@@ -160,7 +162,7 @@ def bitwise(*command):
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
                            ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
-                           ("fluids", FLUIDS),
+                           ("fluids", FLUIDS), ("bodies", BODIES),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:
                 continue

@@ -206,6 +206,7 @@ typedef enum {
   BALANCE_ENERGY,
   BALANCE_FORCE,
   BALANCE_TORQUE,
+  BALANCE_SOLID,
   BALANCES
 } BalanceKind;
 

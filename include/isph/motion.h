@@ -12,7 +12,7 @@ extern const OptionTable MotionOptions;
 PetscErrorCode MotionCreate(Flow *flow, unsigned *needs);
 PetscErrorCode FlowMove(Flow *flow);
 PetscErrorCode BodiesMove(Flow *flow);
-PetscErrorCode BodiesRegister(const Scene *scene, Memory *memory);
+PetscErrorCode BodiesRegister(const Scene *scene, Scheme *scheme);
 
 PetscErrorCode OpeningsCreate(Flow *flow);
 PetscErrorCode OpeningsRegister(Flow *flow);

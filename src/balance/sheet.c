@@ -65,6 +65,16 @@ const BalanceRow BalanceRows[BALANCES] = {
             .remedy = "try a larger -n",
             .bound  = 0.05,
         },
+    [BALANCE_SOLID] =
+        {
+            .name   = "fluid_in_solids",
+            .brief  = "particles of the fluid in solids beside bodies that move, the most in a "
+                      "step, over all",
+            .what   = "fluid not kept out of solids: surfaces that approach each other enclose "
+                      "particles",
+            .remedy = "leave a gap of 2 dx, or try a larger -n",
+            .bound  = 1e-9,
+        },
 };
 
 /* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input:

@@ -189,6 +189,32 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal pace, PetscReal rms, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Notes the share of own and other fluid particles that are in a solid, if bodies move. */
+static PetscErrorCode CheckSolids(Flow *flow)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  BalanceSheet    *sheet = &flow->scheme->sheet;
+  PetscInt         in    = 0, side;
+
+  PetscFunctionBegin;
+  if (!scene->pose) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (SceneFluidDistance(scene, x, &side) < 0.0) in++;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &in, 1, MPIU_INT, MPI_SUM, p->comm));
+  sheet->applies[BALANCE_SOLID] = 1;
+  if (in > sheet->value[BALANCE_SOLID] * (PetscReal)p->N_fluid) {
+    const PetscReal share = (PetscReal)in / (PetscReal)p->N_fluid;
+
+    BalanceSet(BALANCE_SOLID, share, share, flow->clock->t + flow->clock->dt, sheet);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FlowCheck - Measures the velocity u_next at the end of a step, and fails the step if the flow is
   invalid
@@ -215,6 +241,7 @@ PetscErrorCode FlowCheck(Flow *flow)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < s->n_solves; k++) s->solve[k]->iterations_sum += s->solve[k]->iterations;
+  PetscCall(CheckSolids(flow));
   PetscCall(SteadyMeasure(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

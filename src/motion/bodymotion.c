@@ -38,7 +38,7 @@ static void MoveWalls(const Scene *scene, const Pose before[], Particles *p)
     PetscReal      normal[ISPH_MAX_DIM] = {0.0}, arm[ISPH_MAX_DIM] = {0.0}, from[ISPH_MAX_DIM];
     Body           old;
 
-    if (!body || !body->pose) continue;
+    if (!scene->boundary[side].moves) continue;
     old      = *body;
     old.pose = (Pose *)&before[side - SceneBodySide(scene, 0)];
     for (PetscInt a = 0; a < p->dim; a++) {
@@ -75,21 +75,28 @@ PetscErrorCode BodiesMove(Flow *flow)
       Advance(scene, side, flow->clock->t, flow->clock->dt, &scene->pose[k]);
   }
   MoveWalls(scene, before, flow->particles);
+  PetscCall(ParticlesHaloComponents(flow->particles, flow->particles->normal));
   PetscCall(PetscFree(before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  BodiesRegister - Adds the poses of bodies that move to the memory of the run
+  BodiesRegister - Adds the poses of bodies that move, and the share of the fluid in solids, to the
+  memory of the run
 
   Collective. Undo, checkpoints and restarts then have them.
 */
-PetscErrorCode BodiesRegister(const Scene *scene, Memory *memory)
+PetscErrorCode BodiesRegister(const Scene *scene, Scheme *scheme)
 {
-  const PetscInt size = (PetscInt)(sizeof(Pose) / sizeof(PetscReal));
+  const PetscInt size  = (PetscInt)(sizeof(Pose) / sizeof(PetscReal));
+  BalanceSheet  *sheet = &scheme->sheet;
 
   PetscFunctionBegin;
-  if (scene->pose)
-    PetscCall(MemoryAddReals(memory, "poses", size * scene->n_bodies, (PetscReal *)scene->pose));
+  if (!scene->pose) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      MemoryAddReals(&scheme->memory, "poses", size * scene->n_bodies, (PetscReal *)scene->pose));
+  PetscCall(MemoryAddReal(&scheme->memory, "fluid_in_solids", &sheet->value[BALANCE_SOLID]));
+  PetscCall(MemoryAddReal(&scheme->memory, "fluid_in_solids_t", &sheet->t[BALANCE_SOLID]));
+  PetscCall(MemoryAddInt(&scheme->memory, "solids", &sheet->applies[BALANCE_SOLID]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

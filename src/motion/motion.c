@@ -358,8 +358,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.
   On a free surface this displacement is a velocity that the wall gives, and no part of s.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
-  feeds energy into the flow. On entry the operators belong to x^n; on exit they, owners
-  and halo are out of date. See docs/theory.md, (105) to (107).
+  feeds energy into the flow. Bodies move first, and particles keep off their new surfaces. On entry
+  the operators belong to x^n; on exit they, owners and halo are out of date. See docs/theory.md, (105) to (107).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {
@@ -368,6 +368,7 @@ PetscErrorCode FlowMove(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(SlopesGet(flow, flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE, &slopes));
+  if (flow->scene->pose) PetscCall(BodiesMove(flow)); /* slopes are of the old places of walls */
   PetscCall(DisplaceParticles(flow, &slopes, &moved, &work));
   PetscCall(EnergyAddWork(flow, work));
   PetscCall(SlopesRestore(flow, &slopes));

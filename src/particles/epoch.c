@@ -4,7 +4,7 @@
 #include "impl.h"
 
 /*
-  ParticlesLargestMove - Computes the largest displacement of a fluid particle on any rank [m]
+  ParticlesLargestMove - Computes the largest displacement of a particle on any rank [m]
 
   Collective. Input: from - earlier positions of own particles [m]. Output: move - PETSC_MAX_REAL
   if a position is not a finite number.
@@ -14,7 +14,7 @@ PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[],
   PetscReal largest = 0.0;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     PetscReal d2 = 0.0;
 
     for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - from[a][i]);

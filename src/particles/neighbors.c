@@ -78,8 +78,8 @@ static PetscErrorCode KeepPositions(const Particles *p, Neighbors *nb)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) {
-    if (!nb->x_built[a]) PetscCall(PetscMalloc1(nb->row_capacity, &nb->x_built[a]));
-    PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], p->n_fluid));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(ParticlesOwn(p) + 1), &nb->x_built[a]));
+    PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], ParticlesOwn(p)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -252,8 +252,9 @@ static PetscErrorCode CreatePoses(Scene *scene)
 
     if (!boundary->moves && !boundary->free) continue;
     if (!scene->pose) PetscCall(PetscCalloc1(scene->n_bodies, &scene->pose));
+    if (boundary->body.pose) scene->pose[k] = *boundary->body.pose; /* that of its place */
+    else PoseStart(&boundary->body, &scene->pose[k]);
     boundary->body.pose = &scene->pose[k];
-    PoseStart(&boundary->body, boundary->body.pose);
     for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
       scene->pose[k].x[a] = ExpressionValue(&boundary->position, a, 0.0, NULL);
     BodyGivenMotion(scene, SceneBodySide(scene, k), 0.0, scene->pose[k].u, scene->pose[k].spin);

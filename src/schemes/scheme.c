@@ -122,7 +122,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscCall(FlowStateRegister(flow));
   PetscCall(AverageRegister(flow));
   PetscCall(AccelerationRegister(flow));
-  PetscCall(BodiesRegister(flow->scene, &flow->scheme->memory));
+  PetscCall(BodiesRegister(flow->scene, flow->scheme));
   PetscCall(FreeBodiesCreate(flow));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));

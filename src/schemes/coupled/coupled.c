@@ -288,9 +288,8 @@ static const Stage solve = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageBodies, &StageMove,  &StagePass, &StageRebuild,
-    &StageVolume,   &StageFilter, &start,      &solve,     &StageCollide,
-    &StageMean,     &StageCheck,  &StageError, NULL,
+    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &StageFilter, &start,
+    &solve,         &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
 };
 
 static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeBurst, &JudgeFailure, NULL};

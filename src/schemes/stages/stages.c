@@ -85,11 +85,6 @@ static PetscBool Moves(const Flow *flow)
   return SceneMoves(flow->scene);
 }
 
-static PetscBool HasMovingBodies(const Flow *flow)
-{
-  return flow->scene->pose ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscBool HasOpenings(const Flow *flow)
 {
   return flow->state->openings.open;
@@ -142,16 +137,9 @@ const Stage StageMomentum = {
     .Do      = MomentumKeep,
 };
 
-const Stage StageBodies = {
-    .name    = "bodies",
-    .brief   = "bodies that move, with their wall particles",
-    .Applies = HasMovingBodies,
-    .Do      = BodiesMove,
-};
-
 const Stage StageMove = {
     .name    = "move",
-    .brief   = "places by the flow and by shifting",
+    .brief   = "places by the flow and by shifting, bodies that move",
     .Applies = Moves,
     .Do      = FlowMove,
 };
