@@ -359,7 +359,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   On a free surface this displacement is a velocity that the wall gives, and no part of s.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
   feeds energy into the flow. Bodies move first, and particles keep off their new surfaces. On entry
-  the operators belong to x^n; on exit they, owners and halo are out of date. See docs/theory.md, (105) to (107).
+  the operators belong to x^n; on exit they, owners and halo are out of date. See docs/theory.md,
+  (105) to (107).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {
