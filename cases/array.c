@@ -45,7 +45,7 @@ PetscErrorCode MeasureArray(const Flow *flow, PetscReal scale, PetscReal known, 
 {
   const Scene *scene  = flow->scene;
   PetscReal    driven = scene->rho * scene->body_force[0];
-  PetscReal    mean   = 0.0, force[2][2 * ISPH_MAX_DIM];
+  PetscReal    mean   = 0.0, force[FORCE_WAYS][2 * ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) driven *= scene->hi[a] - scene->lo[a];

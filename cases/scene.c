@@ -27,12 +27,13 @@ static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[]
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-static PetscErrorCode AddBodyRow(PetscInt k, const char quantity[], PetscReal value, Report *report)
+static PetscErrorCode AddBodyRow(PetscInt k, const char way[], const char quantity[],
+                                 PetscReal value, Report *report)
 {
   char name[32];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_%s", k + 1, quantity));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_%s%s", k + 1, way, quantity));
   PetscCall(ReportAdd(report, name, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -48,41 +49,39 @@ static PetscErrorCode MeasurePose(const Scene *scene, PetscInt k, Report *report
   PetscFunctionBegin;
   if (!pose) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(AddBodyRow(k, name[0][a], pose->x[a], report));
-    PetscCall(AddBodyRow(k, name[1][a], pose->u[a], report));
+    PetscCall(AddBodyRow(k, "", name[0][a], pose->x[a], report));
+    PetscCall(AddBodyRow(k, "", name[1][a], pose->u[a], report));
   }
   if (scene->dim == 2)
-    PetscCall(AddBodyRow(k, "angle", 2.0 * atan2(pose->turn[3], pose->turn[0]), report));
+    PetscCall(AddBodyRow(k, "", "angle", 2.0 * atan2(pose->turn[3], pose->turn[0]), report));
   for (PetscInt a = scene->dim == 2 ? 2 : 0; a < ISPH_MAX_DIM; a++)
-    PetscCall(AddBodyRow(k, name[2][a], pose->spin[a], report));
+    PetscCall(AddBodyRow(k, "", name[2][a], pose->spin[a], report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports force and torque on each body by the momentum beside it, then by tractions, and the
-   magnitudes of their differences. With a free surface all are tractions. */
+/* Reports force and torque on each body by the momentum beside it, then by tractions, and
+   ForceParts(). With a free surface all are tractions. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
-  const Scene      *scene      = flow->scene;
-  const char *const name[2][4] = {{"fx", "fy", "fz", "torque"},
-                                  {"traction_fx", "traction_fy", "traction_fz", "traction_torque"}};
-  const PetscInt    torque     = ISPH_MAX_DIM + 2;
+  static const char *const names[] = {"fx", "fy", "fz", "torque_x", "torque_y", "torque"};
+  static const char *const parts[] = {"force_error", "torque_error", "lubrication"};
+  const Scene             *scene   = flow->scene;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    PetscReal force[2][2 * ISPH_MAX_DIM], error = 0.0;
+    PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS];
 
     PetscCall(MeasurePose(scene, k, report));
     PetscCall(WallForce(flow, SceneBodySide(scene, k), force));
     for (PetscInt way = 0; way < (flow->ops->free ? 1 : 2); way++) {
-      for (PetscInt a = 0; a < scene->dim; a++)
-        PetscCall(AddBodyRow(k, name[way][a], force[way][a], report));
-      PetscCall(AddBodyRow(k, name[way][3], force[way][torque], report));
+      for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) {
+        if (scene->dim == 2 && a > 1 && a < 2 * ISPH_MAX_DIM - 1) continue;
+        PetscCall(AddBodyRow(k, way ? "traction_" : "", names[a], force[way][a], report));
+      }
     }
-    if (flow->ops->free) continue;
-    for (PetscInt a = 0; a < scene->dim; a++) error += PetscSqr(force[0][a] - force[1][a]);
-    PetscCall(AddBodyRow(k, "force_error", PetscSqrtReal(error), report));
-    error = PetscAbsReal(force[0][torque] - force[1][torque]);
-    PetscCall(AddBodyRow(k, "torque_error", error, report));
+    ForceParts(force, part);
+    for (PetscInt q = flow->ops->free ? 2 : 0; q < (part[2] > 0.0 ? 3 : 2); q++)
+      PetscCall(AddBodyRow(k, "", parts[q], part[q], report));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

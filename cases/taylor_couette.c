@@ -57,7 +57,7 @@ static PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
   const PetscReal R1 = 0.5 * scene->length, R2 = scene->length;
   const PetscReal B     = scene->speed * R1 * R2 * R2 / (R2 * R2 - R1 * R1);
   const PetscReal exact = -4.0 * PETSC_PI * scene->rho * scene->nu * B;
-  PetscReal       force[2][2 * ISPH_MAX_DIM], torque;
+  PetscReal       force[FORCE_WAYS][2 * ISPH_MAX_DIM], torque;
 
   PetscFunctionBegin;
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), force));

@@ -120,8 +120,16 @@ def main():
     # this velocity errs by 1.6 % (0.3 % at 10 dx), and is the same beside both cylinders.
     run("-case", "scene", "-scene_box", "-1.45,-1.45,1.45,1.45", "-scene_body_1", "circle,0.3,0,0.3", "-scene_body_1_rotation",
         "1/0.3", "-scene_body_2", "circle,0,0,1", "-scene_body_2_around", "true", "-reynolds", "0.05", "-motion", "eulerian",
-        "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces", "-report", "report.csv")
+        "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces", "-probe_bodies", "-report", "report.csv")
     forces, mu = rows("probe_forces.csv"), 20
+    for row in rows("probe_bodies.csv")[-2:]:
+        wall = last(forces, wall=f"body_{row['body']:.0f}")
+        for of in "fx", "fy", "tz":
+            close(row[of], wall[of], 1e-9)
+        close(row["force_error"], math.hypot(*(wall[of] - wall["traction_" + of] for of in ("fx", "fy"))), 1e-5 * mu)
+        close(row["power"], wall["tz"] * row["spin_z"], 1e-9)
+        for of, inner, outer in ("x", 0.3, 0), ("q0", 1, 1), ("u", 0, 0), ("spin_z", 1 / 0.3, 0):
+            close(row[of], inner if row["body"] == 1 else outer, 1e-11)
     for k in "12":  # rows have the weights of the first row, the report has its own
         for of in "fx", "fy", "traction_fx", "traction_fy":
             close(last(rows("report.csv"), quantity=f"body_{k}_{of}")["value"], last(forces, wall=f"body_{k}")[of], 1e-9)

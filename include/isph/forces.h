@@ -51,8 +51,11 @@ PetscErrorCode          ReactionForce(const Flow *flow, PetscBool next, Reaction
                                       PetscReal force[]);
 PetscErrorCode          ReactionDestroy(Reaction **reaction);
 
-/* The ways in which forces are measured, see forces.c. */
-enum { FORCE_MOMENTUM, FORCE_TRACTION };
-PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM]);
+/* The ways in which forces are measured, see forces.c; the last is the part of both that the
+   computed flow has not. */
+enum { FORCE_MOMENTUM, FORCE_TRACTION, FORCE_LUBRICATION, FORCE_WAYS };
+PetscErrorCode WallForce(const Flow *flow, PetscInt side,
+                         PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM]);
+void ForceParts(PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], PetscReal part[FORCE_WAYS]);
 
 #endif

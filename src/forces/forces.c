@@ -26,7 +26,7 @@ typedef struct {
 struct Reaction {
   PetscInt       side;
   PetscReal      centre[ISPH_MAX_DIM]; /* of torques [m] */
-  Facets         of;                   /* those of a linear pressure, finer ones on a body */
+  Facets         facets, fine;         /* dx wide, and finer ones, for pressures with a formula */
   Layer          layer;
   LinearPressure linear; /* of the last call */
   KeptFits       fits;   /* of the points of the layer */
@@ -86,11 +86,11 @@ static void SetLinear(const Flow *flow, const PetscReal p[], Reaction *r)
 /* Adds the loads of the linear pressure. */
 static void AddLinear(PetscInt dim, const Reaction *r, PetscReal F[], PetscReal T[])
 {
-  for (PetscInt k = 0; k < r->of.n; k++) {
-    const PetscReal *x = &r->of.x[k * dim], p = LinearAt(dim, &r->linear, x);
+  for (PetscInt k = 0; k < r->fine.n; k++) {
+    const PetscReal *x = &r->fine.x[k * dim], p = LinearAt(dim, &r->linear, x);
     PetscReal        load[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < dim; a++) load[a] = -r->of.area[k] * p * r->of.normal[k * dim + a];
+    for (PetscInt a = 0; a < dim; a++) load[a] = -r->fine.area[k] * p * r->fine.normal[k * dim + a];
     AddLoad(dim, r->centre, x, load, F, T);
   }
 }
@@ -165,7 +165,8 @@ static PetscErrorCode AddTractions(const Flow *flow, PetscInt side, const Reacti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes force and torque by the momentum of the layer; with a free surface by tractions. */
+/* Computes force and torque by the momentum of the layer; with a free surface by tractions; without
+   lubrication. */
 static PetscErrorCode Measure(const Flow *flow, Reaction *r, PetscReal force[])
 {
   const Scene *scene  = flow->scene;
@@ -196,20 +197,16 @@ PetscErrorCode ReactionCreate(const Flow *flow, PetscInt side, Reaction **reacti
 {
   const Scene *scene = flow->scene;
   Reaction    *r;
-  Facets       s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&r));
   r->side = side;
   TorqueCentre(scene, side, r->centre);
+  PetscCall(FacetsOfWall(scene, side, &r->facets));
+  if (BoundaryBody(scene, side)) PetscCall(FacetsOfBody(scene, side, FINE, &r->fine));
+  else PetscCall(FacetsOfWall(scene, side, &r->fine));
+  if (!flow->ops->free) PetscCall(LayerSet(scene, side, &r->facets, &r->layer));
   *reaction = r;
-  if (flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FacetsOfWall(scene, side, &s));
-  PetscCall(LayerSet(scene, side, &s, &r->layer));
-  r->of = s;
-  if (!BoundaryBody(scene, side)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FacetsFree(&s));
-  PetscCall(FacetsOfBody(scene, side, FINE, &r->of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -218,7 +215,8 @@ PetscErrorCode ReactionDestroy(Reaction **reaction)
 {
   PetscFunctionBegin;
   if (!*reaction) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FacetsFree(&(*reaction)->of));
+  PetscCall(FacetsFree(&(*reaction)->facets));
+  PetscCall(FacetsFree(&(*reaction)->fine));
   PetscCall(LayerFree(&(*reaction)->layer));
   PetscCall(PetscFree((*reaction)->fits.number));
   PetscCall(PetscFree(*reaction));
@@ -268,6 +266,8 @@ PetscErrorCode ReactionForce(const Flow *flow, PetscBool next, Reaction *r, Pets
   flow->state->kept_fits.on = PETSC_TRUE;
   flow->state->kept_fits.at = 0;
   PetscCall(Measure(flow, r, force));
+  PetscCall(
+      LubricationAdd(flow, r->side, &r->facets, &r->fine, r->centre, force, &force[ISPH_MAX_DIM]));
   flow->clock->t = t;
   PetscCall(Exchange(flow, next, r));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -296,9 +296,11 @@ static void CopyTorques(const Scene *scene, PetscInt side, const PetscReal tract
   FORCE_MOMENTUM and FORCE_TRACTION. In 2D both are per metre of depth, and the torque is its third
   component.
 */
-PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM])
+PetscErrorCode WallForce(const Flow *flow, PetscInt side,
+                         PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM])
 {
   PetscReal *momentum = force[FORCE_MOMENTUM], *traction = force[FORCE_TRACTION];
+  PetscReal *lubrication = force[FORCE_LUBRICATION];
   Reaction  *r;
 
   PetscFunctionBegin;
@@ -311,8 +313,27 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 *
     AddLinear(flow->scene->dim, r, traction, &traction[ISPH_MAX_DIM]);
   }
   CopyTorques(flow->scene, side, traction, momentum);
-  for (PetscInt k = 0; k < 4; k++)
+  PetscCall(PetscArrayzero(lubrication, 2 * ISPH_MAX_DIM));
+  PetscCall(LubricationAdd(flow, side, &r->facets, &r->fine, r->centre, lubrication,
+                           &lubrication[ISPH_MAX_DIM]));
+  for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) {
+    momentum[a] += lubrication[a];
+    traction[a] += lubrication[a];
+  }
+  for (PetscInt k = 0; k < 2 * FORCE_WAYS; k++)
     SceneOutOfFrame(flow->scene, ClockMoment(flow->clock), &force[k / 2][k % 2 * ISPH_MAX_DIM]);
   PetscCall(ReactionDestroy(&r));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ForceParts - Computes magnitudes: of the differences between both ways of WallForce(), of forces
+   and of torques, which are error bars, and of the lubrication in the force [N], [N m]; not
+   collective */
+void ForceParts(PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], PetscReal part[FORCE_WAYS])
+{
+  for (PetscInt k = 0; k < FORCE_WAYS; k++) part[k] = 0.0;
+  for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++)
+    part[a / ISPH_MAX_DIM] += PetscSqr(force[FORCE_MOMENTUM][a] - force[FORCE_TRACTION][a]);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) part[2] += PetscSqr(force[FORCE_LUBRICATION][a]);
+  for (PetscInt k = 0; k < FORCE_WAYS; k++) part[k] = PetscSqrtReal(part[k]);
 }

@@ -52,6 +52,7 @@ static PetscErrorCode AddPoint(const PetscReal x[], const PetscReal edge[], Pets
   const Scene   *scene = l->scene;
   const PetscInt dim   = scene->dim;
   const Body    *body  = BoundaryBody(scene, l->side);
+  PetscReal      centre;
 
   PetscFunctionBegin;
   if (l->n == l->capacity) {
@@ -64,10 +65,9 @@ static PetscErrorCode AddPoint(const PetscReal x[], const PetscReal edge[], Pets
     const PetscReal period = scene->hi[a] - scene->lo[a];
 
     l->x[l->n * dim + a] = x[a];
-    if (body && SceneIsPeriodic(scene, a))
-      l->x[l->n * dim + a] -=
-          period *
-          PetscFloorReal((x[a] - (body->pose ? body->pose->x[a] : body->centre[a])) / period + 0.5);
+    if (!body || !SceneIsPeriodic(scene, a)) continue;
+    centre = body->pose ? body->pose->x[a] : body->centre[a];
+    l->x[l->n * dim + a] -= period * PetscFloorReal((x[a] - centre) / period + 0.5);
   }
   WeightGradient(l, x, edge, &l->gradient[l->n * dim]);
   l->volume[l->n++] = volume;

@@ -14,4 +14,9 @@ PetscErrorCode LayerSet(const Scene *scene, PetscInt side, const Facets *facets,
 PetscReal      LayerWeight(const Layer *layer, const PetscReal x[]);
 PetscErrorCode LayerFree(Layer *layer);
 
+/* lubrication.c */
+PetscErrorCode LubricationAdd(const Flow *flow, PetscInt side, const Facets *facets,
+                              const Facets *fine, const PetscReal centre[], PetscReal F[],
+                              PetscReal T[]);
+
 #endif

@@ -215,13 +215,12 @@ static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
 /* Adds the difference of forces on a body by momentum and by tractions, and that of torques. */
 static PetscErrorCode AddDifference(const Flow *flow, PetscInt side, Ledger *l)
 {
-  PetscReal force[2][2 * ISPH_MAX_DIM], square[2] = {0.0};
+  PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS];
 
   PetscFunctionBegin;
   PetscCall(WallForce(flow, side, force));
-  for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++)
-    square[a / ISPH_MAX_DIM] += PetscSqr(force[FORCE_MOMENTUM][a] - force[FORCE_TRACTION][a]);
-  for (PetscInt k = 0; k < 2; k++) l->error[k] += PetscSqrtReal(square[k]);
+  ForceParts(force, part);
+  for (PetscInt k = 0; k < 2; k++) l->error[k] += part[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

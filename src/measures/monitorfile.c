@@ -40,7 +40,7 @@ PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
 */
 static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 {
-  char      part[PETSC_MAX_PATH_LEN + 8], line[512];
+  char      part[PETSC_MAX_PATH_LEN + 8], line[1024];
   FILE     *kept;
   PetscBool good;
 

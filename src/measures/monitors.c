@@ -6,7 +6,7 @@
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */
 
-enum { POINT, LINE, FLUX, FORCES, BUDGET, VOLUME, EVERY, BASE };
+enum { POINT, LINE, FLUX, FORCES, BODIES, BUDGET, VOLUME, EVERY, BASE };
 static const OptionRow options[] = {
     [POINT] =
         {
@@ -41,6 +41,15 @@ static const OptionRow options[] = {
             .brief    = "forces and torques of the fluid on each wall",
             .standard = "false",
             .where    = "flows",
+        },
+    [BODIES] =
+        {
+            .name     = "-probe_bodies",
+            .kind     = VALUE_SWITCH,
+            .brief    = "place, attitude and motion of each body; force and torque of the fluid on "
+                        "it, their power and their error bars",
+            .standard = "false",
+            .where    = "flows with bodies",
         },
     [BUDGET] =
         {
@@ -85,7 +94,8 @@ const OptionTable MonitorOptions = OPTIONS("Probes", options);
 /* Kinds of monitors in the order of their options. */
 static const MonitorKind *const kinds[] = {
     [POINT] = &MonitorPoints,  [LINE] = &MonitorLines,    [FLUX] = &MonitorFluxes,
-    [FORCES] = &MonitorForces, [BUDGET] = &MonitorBudget, [VOLUME] = &MonitorVolume,
+    [FORCES] = &MonitorForces, [BODIES] = &MonitorBodies, [BUDGET] = &MonitorBudget,
+    [VOLUME] = &MonitorVolume,
 };
 #define MONITOR_KINDS PETSC_STATIC_ARRAY_LENGTH(kinds)
 
@@ -179,12 +189,14 @@ PetscErrorCode MonitorsNeeds(unsigned *needs)
 . -probe_flux x0,y0,x1,y1,...   - sections; in 2D a flux to the right of the direction from (x0, y0)
                                   to (x1, y1) is positive [m]
 . -probe_forces                 - forces and torques on each wall
+. -probe_bodies                 - pose, motion, force and torque of each body
 . -probe_budget x0,y0,x1,y1,... - kinetic energy and divergence of each part of a step in boxes [m]
 . -probe_volume                 - volume inside the free surface
 . -probe_every T                - rows after the first step at or past each multiple of T [s]; by
                                   default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
-                                  base_forces.csv, base_budget.csv, base_volume.csv
+                                  base_forces.csv, base_bodies.csv, base_budget.csv,
+                                  base_volume.csv
 
   Errors: incomplete groups of numbers end the run
 */

@@ -42,7 +42,8 @@ typedef struct {
   PetscErrorCode (*Write)(const Flow *flow, Monitor *monitor);
 } MonitorKind;
 /* probemonitors.c */
-extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget, MonitorForces;
+extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget, MonitorForces,
+    MonitorBodies;
 /* freemeasure.c */
 extern const MonitorKind MonitorVolume;
 

@@ -177,7 +177,7 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
   kept->on = SceneMoves(scene) ? PETSC_FALSE : PETSC_TRUE;
   kept->at = 0;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    PetscReal force[2][2 * ISPH_MAX_DIM];
+    PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM];
     char      name[WALL_NAME];
 
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
@@ -199,6 +199,67 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes pose, velocity and spin of a body; returns the power of a force and a torque on it [W] (in
+   2D per metre of depth). */
+static PetscReal WritePose(const Flow *flow, PetscInt side, const PetscReal force[],
+                           const Monitor *monitor)
+{
+  const Scene *scene = flow->scene;
+  const Body  *body  = BoundaryBody(scene, side);
+  PetscReal    motion[2 * ISPH_MAX_DIM], power = 0.0;
+  Pose         pose;
+
+  if (body->pose) pose = *body->pose;
+  else PoseStart(body, &pose);
+  BodyMotion(scene, side, flow->clock->t, motion, &motion[ISPH_MAX_DIM]);
+  if (scene->boundary[side].rides) {
+    const PetscReal t                  = ClockMoment(flow->clock),
+                    turn[ISPH_MAX_DIM] = {0, 0, SceneFrameAngle(scene, t)};
+
+    SceneFrameVelocity(scene, t, pose.x, motion);
+    motion[2 * ISPH_MAX_DIM - 1] = SceneFrameRate(scene, t);
+    SceneOutOfFrame(scene, t, motion);
+    ScenePlaceOutOfFrame(scene, t, pose.x);
+    PoseRotate(turn, &pose);
+  }
+  for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) power += force[a] * motion[a];
+  MonitorVector(monitor, scene->dim, pose.x);
+  (void)fprintf(monitor->stream, ",%.12g", (double)pose.turn[0]);
+  MonitorVector(monitor, 3, &pose.turn[1]);
+  MonitorVector(monitor, scene->dim, motion);
+  MonitorVector(monitor, 3, &motion[ISPH_MAX_DIM]);
+  return power;
+}
+
+/* Writes a row for each body: its pose and motion, the load of the fluid, its power, and the
+   magnitudes of the differences between both ways to measure it and of the lubrication in it. */
+static PetscErrorCode WriteBodies(const Flow *flow, Monitor *monitor)
+{
+  const Scene *scene = flow->scene;
+  KeptFits    *kept  = &flow->state->kept_fits;
+
+  PetscFunctionBegin;
+  kept->on = SceneMoves(scene) ? PETSC_FALSE : PETSC_TRUE;
+  kept->at = 0;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const PetscInt side = SceneBodySide(scene, k);
+    PetscReal      force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS], power;
+
+    PetscCall(WallForce(flow, side, force));
+    PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
+    ForceParts(force, part);
+    if (!MonitorRow(flow->clock, monitor)) continue;
+    (void)fprintf(monitor->stream, ",%" PetscInt_FMT, k + 1);
+    power = WritePose(flow, side, force[FORCE_MOMENTUM], monitor);
+    MonitorVector(monitor, scene->dim, force[FORCE_MOMENTUM]);
+    MonitorVector(monitor, 3, &force[FORCE_MOMENTUM][ISPH_MAX_DIM]);
+    (void)fprintf(monitor->stream, ",%.12g,%.6g,%.6g,%.6g\n", (double)power, (double)part[0],
+                  (double)part[1], (double)part[2]);
+  }
+  kept->on = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Each boundary has a window, which stays empty without forces on it. */
 static PetscInt ForceWindows(const Scene *scene, const Monitor *monitor)
 {
@@ -212,6 +273,25 @@ const MonitorKind MonitorForces = {
                "traction_tz",
     .Windows = ForceWindows,
     .Write   = WriteForces,
+};
+
+/* Refuses a flow without bodies. */
+static PetscErrorCode PrepareBodies(Flow *flow, const Monitor *monitor)
+{
+  PetscFunctionBegin;
+  (void)monitor;
+  UserCheck(flow->scene->n_bodies > 0,
+            "-probe_bodies: this flow has no bodies; -probe_forces has the forces on its sides");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MonitorKind MonitorBodies = {
+    .name    = "bodies",
+    .header  = "body,x,y,z,q0,q1,q2,q3,u,v,w,spin_x,spin_y,spin_z,fx,fy,fz,tx,ty,tz,power,"
+               "force_error,torque_error,lubrication",
+    .Windows = ForceWindows,
+    .Prepare = PrepareBodies,
+    .Write   = WriteBodies,
 };
 
 /* Refuses a box whose first corner is not below the second along each axis. */
