@@ -59,6 +59,18 @@ def shear(isph):
     assert held["body_1_spin"] == 0.25
 
 
+def contact(isph):
+    """A heavy body comes to rest on the floor and a light one below the ceiling, pushed off by about dx, in steps of few
+    solves."""
+    words = ("-case scene -scene_box 0,0,1,1 -n 24 -scene_body_1 circle,0.3,0.31,0.125 -scene_body_1_density 3 -viscosity 0.05 "
+             "-scene_body_2 circle,0.68,0.69,0.125 -scene_body_2_density 0.1 -body_force 0,-1 -t_end 6")
+    row = report(isph, words)
+    gaps = row["body_1_y"] - 0.125, 1 - row["body_2_y"] - 0.125
+    print("gaps in dx", [24 * gap for gap in gaps], "contacts", row["body_contacts"], "solves", row["body_solves"])
+    assert all(0.8 < 24 * gap < 1.05 for gap in gaps) and row["body_contacts"] > 0 and row["body_solves"] < 4
+    assert max(abs(row["body_1_v"]), abs(row["body_2_v"])) < 0.05  # they tremble by a hundredth of dx in a step
+
+
 def restart(isph):
     """The second half of a run from a checkpoint is that of the whole run, bit for bit."""
     words = FALL + "-scene_body_1_density 0.5 -scene_body_1_force 0.01*sin(9*t),0 -scene_body_1_spring 0.1,0.2 "
@@ -72,7 +84,7 @@ def restart(isph):
 
 def main():
     isph = os.path.abspath(sys.argv[1])
-    for test in (newton, terminal, shear, restart):
+    for test in (newton, terminal, shear, contact, restart):
         test(isph)
 
 

@@ -291,7 +291,7 @@ static void AddPush(const Scene *scene, PetscInt k, const PetscReal x[], const P
 
     F = PUSH M (GAP dx - g - dt dg/dt)/dt^2,   1/M = sum of 1/(m + rho V) of the free bodies
 
-  They act on two free bodies with opposite signs. Solves that are repeated keep them. Returns true
+  They act on two free bodies with opposite signs, and keep bodies out of openings, too. Solves that are repeated keep them. Returns true
   if there are any.
 */
 static PetscBool SetPushes(const Flow *flow, FreeBodies *b)
@@ -310,7 +310,7 @@ static PetscBool SetPushes(const Flow *flow, FreeBodies *b)
       PetscReal       x[ISPH_MAX_DIM] = {0.0}, out[ISPH_MAX_DIM] = {0.0}, gap, size;
 
       if (other == side || (both && other < side)) continue;
-      if (!BoundaryIs(scene, other, BOUNDARY_CONFINES)) continue;
+      if (BoundaryIs(scene, other, BOUNDARY_CONTINUES)) continue;
       gap = MeasureGap(flow, side, other, x, out);
       if (gap >= least) continue;
       any  = PETSC_TRUE;

@@ -277,9 +277,9 @@ static PetscErrorCode ReadBodies(Scene *scene)
     if (!given) break;
     boundary       = SceneAddBody(scene);
     boundary->body = body;
-    PetscCall(ReadBodyMotion(k, scene, boundary));
     OptionNumber(&options[BODY_AROUND], k, name, &row);
     PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
+    PetscCall(ReadBodyMotion(k, scene, boundary));
     for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
       const BoundaryRow *kind = scene->boundary[side].kind;
 
