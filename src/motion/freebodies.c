@@ -291,8 +291,8 @@ static void AddPush(const Scene *scene, PetscInt k, const PetscReal x[], const P
 
     F = PUSH M (GAP dx - g - dt dg/dt)/dt^2,   1/M = sum of 1/(m + rho V) of the free bodies
 
-  They act on two free bodies with opposite signs, and keep bodies out of openings, too. Solves that are repeated keep them. Returns true
-  if there are any.
+  They act on two free bodies with opposite signs, and keep bodies out of openings, too. Solves that
+  are repeated keep them. Returns true if there are any.
 */
 static PetscBool SetPushes(const Flow *flow, FreeBodies *b)
 {

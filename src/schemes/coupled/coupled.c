@@ -288,8 +288,9 @@ static const Stage solve = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &StageFilter, &start,
-    &solve,         &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
+    &StageMomentum, &StageBodies, &StageMove,  &StagePass, &StageRebuild,
+    &StageVolume,   &StageFilter, &start,      &solve,     &StageCollide,
+    &StageMean,     &StageCheck,  &StageError, NULL,
 };
 
 static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeBurst, &JudgeFailure, NULL};

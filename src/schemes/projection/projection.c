@@ -131,8 +131,9 @@ static const Stage project = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &StageFilter, &predict,
-    &project,       &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
+    &StageMomentum, &StageBodies, &StageMove,  &StagePass, &StageRebuild,
+    &StageVolume,   &StageFilter, &predict,    &project,   &StageCollide,
+    &StageMean,     &StageCheck,  &StageError, NULL,
 };
 
 static const Judge *const judges[] = {&JudgeBodies, &JudgeBurst, &JudgeFailure, NULL};

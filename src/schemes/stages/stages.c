@@ -85,6 +85,11 @@ static PetscBool Moves(const Flow *flow)
   return SceneMoves(flow->scene);
 }
 
+static PetscBool HasBodiesInPlace(const Flow *flow)
+{
+  return flow->scene->pose && !SceneMoves(flow->scene);
+}
+
 static PetscBool HasOpenings(const Flow *flow)
 {
   return flow->state->openings.open;
@@ -135,6 +140,13 @@ const Stage StageMomentum = {
     .brief   = "mean velocity, of flows that keep their momentum",
     .Applies = KeepsMomentum,
     .Do      = MomentumKeep,
+};
+
+const Stage StageBodies = {
+    .name    = "bodies",
+    .brief   = "first guess of the velocities of free bodies that stay in their place",
+    .Applies = HasBodiesInPlace,
+    .Do      = BodiesMove,
 };
 
 const Stage StageMove = {

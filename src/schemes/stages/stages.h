@@ -4,8 +4,8 @@
 
 #include "isph/motion.h"
 
-extern const Stage StageMomentum, StageMove, StagePass, StageRebuild, StageVolume, StageCollide,
-    StageFilter, StageMean, StageCheck, StageError;
+extern const Stage StageMomentum, StageBodies, StageMove, StagePass, StageRebuild, StageVolume,
+    StageCollide, StageFilter, StageMean, StageCheck, StageError;
 
 PetscErrorCode FlowFollow(Flow *flow);
 PetscErrorCode FlowRebuildNeighbors(Flow *flow);
