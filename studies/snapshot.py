@@ -224,6 +224,8 @@ def sections(shape, numbers, ends, z):
         r = sorted(a[0] + (z - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
                    for a, b in zip(corners, np.roll(corners, -1, axis=0)) if (a[1] > z) != (b[1] > z))
         return [("ring", np.array([0, 0, *pair])) for pair in zip(r[::2], r[1::2]) if pair[1] > 0]
+    if shape in ("ellipsoid", "capsule", "cone", "compound", "file"):
+        return []  # of space, and drawn by their wall particles alone
     return [(shape, numbers)] if ends[0] <= z <= ends[1] else []
 
 

@@ -57,7 +57,7 @@ struct Body {
   const ShapeRow *shape;
   PetscInt        n;
   PetscReal      *parameter; /* numbers of the shape, with a mirrored meridian, in `store` [m] */
-  const void     *data;      /* of shapes that are more than numbers, in `store` */
+  void           *data;      /* of shapes that are more than numbers, in `store` */
   BodyStore      *store;
   PetscReal       centre[ISPH_MAX_DIM]; /* [m] */
   PetscReal       extent; /* largest distance of the surface from it along an axis [m] */
@@ -67,6 +67,18 @@ struct Body {
   Pose           *pose; /* of a body that moves; NULL: it stays as typed */
 };
 
+/* Moments of a body as it was typed; per length for solids that reach through the box. */
+typedef struct {
+  PetscReal volume, error;                      /* area in 2D [m^dim]; relative error of it */
+  PetscReal centroid[ISPH_MAX_DIM];             /* [m] */
+  PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* int x_i x_j dV about it [m^(dim+2)] */
+} BodyMoments;
+
+void           BodyFindMoments(const Body *body, BodyMoments *moments);
+PetscInt       BodyLoops(const Body *body);
+PetscErrorCode BodyCorners(const Body *body, PetscReal spacing, PetscInt *n, PetscReal **x);
+PetscErrorCode BodyCompound(PetscInt parts, const Body part[], const char operation[], Body *body,
+                            const char **fault);
 PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store);
 PetscErrorCode BodyStoreFree(BodyStore *store);
 const char    *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal number[],

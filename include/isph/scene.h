@@ -384,8 +384,8 @@ void ScenePlaceOutOfFrame(const Scene *scene, PetscReal t, PetscReal x[]);
 const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const PetscReal x[],
                                       PetscReal y[ISPH_MAX_DIM]);
 void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
-PetscErrorCode  ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
-                          PetscBool *given);
+PetscErrorCode  ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, PetscInt place,
+                          Body *body, PetscBool *given);
 PetscErrorCode  ShapeReadPlane(Scene *scene, const OptionRow *row, Body *body, PetscBool *given);
 PetscErrorCode  ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
 const char     *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],

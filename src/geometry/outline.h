@@ -12,8 +12,8 @@ typedef struct {
   PetscReal  sign;         /* of its area in the area of the fluid */
 } Outline;
 
-PetscErrorCode OutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
-                             Outline *o);
+PetscErrorCode OutlineCreate(const Body *body, PetscInt loop, PetscReal spacing,
+                             const PetscReal shift[2], Outline *o);
 PetscBool      OutlineIsApart(const Outline *o, const PetscReal lo[2], const PetscReal hi[2]);
 PetscInt OutlineClip(PetscInt n, const PetscReal x[], PetscInt axis, PetscReal s, PetscReal limit,
                      PetscReal out[]);

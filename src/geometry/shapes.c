@@ -4,15 +4,6 @@
 */
 #include "shapes.h"
 
-/* ShapeLineCount - Returns the number of points dx apart on a line, at least `fewest`; bounded, so
-   that a body can add up its lines; not collective */
-PetscInt ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest)
-{
-  const PetscReal most = (PetscReal)(PETSC_INT_MAX / 64);
-
-  return PetscMax(fewest, (PetscInt)PetscMin(PetscFloorReal(length / dx + 0.5), most));
-}
-
 /* ---- circle: cx, cy, r ---- */
 
 static const char *CirclePrepare(Body *body)
@@ -259,5 +250,6 @@ const ShapeRow ShapePolygon = {
     .Point    = PolygonPoint,
 };
 
-static const ShapeRow *const shapes[] = {&ShapeCircle, &box, &ShapePolygon};
+static const ShapeRow *const shapes[] = {&ShapeCircle, &box, &ShapePolygon, &ShapeEllipse,
+                                         &ShapeCapsule};
 const Table ShapeTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 2D", shapes);

@@ -6,8 +6,14 @@
 
 extern const ShapeRow ShapeCircle, ShapePolygon;               /* shapes.c */
 extern const ShapeRow ShapeBall, ShapeCylinder, ShapeRevolved; /* solids.c */
+extern const ShapeRow ShapeEllipse, ShapeCapsule, ShapeEllipsoid, ShapeRounded,
+    ShapeCone; /* ovals.c */
 
-PetscInt    ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest);
+void      PrismSpan(const Body *body, PetscInt axis, PetscReal span[2]);
+PetscReal PrismDistance(const Body *body, const PetscReal x[], PetscReal normal[]);
+PetscInt  PrismCount(const Body *body, PetscReal dx);
+PetscReal PrismPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
+PetscInt  ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest);
 const char *ShapeBoxPrepare(Body *body);
 
 #endif

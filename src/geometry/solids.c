@@ -16,16 +16,22 @@ static PetscInt Product(PetscReal n, PetscReal m)
 
 static const char *PrismPrepare(Body *body)
 {
+  if (body->shape == &ShapeCylinder && body->n > 3) {
+    body->shape = &ShapeCone;
+    return body->n == 7 ? ShapeCone.Prepare(body) : "a cylinder has 3 numbers, or 7 with ends";
+  }
   return body->shape->outline->Prepare(body);
 }
 
-static void PrismSpan(const Body *body, PetscInt axis, PetscReal span[2])
+/* PrismSpan - Computes BodySpan() of a prism along z; not collective */
+void PrismSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   if (axis < 2) body->shape->outline->Span(body, axis, span);
   for (PetscInt end = 0; end < 2 && axis == 2; end++) span[end] = body->ends[end];
 }
 
-static PetscReal PrismDistance(const Body *body, const PetscReal x[], PetscReal normal[])
+/* PrismDistance - Computes the distance from a prism that has no ends; not collective */
+PetscReal PrismDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   normal[2] = 0.0;
   return body->shape->outline->Distance(body, x, normal);
@@ -36,13 +42,14 @@ static PetscInt PrismLayers(const Body *body, PetscReal dx)
   return ShapeLineCount(body->ends[1] - body->ends[0], dx, 1);
 }
 
-static PetscInt PrismCount(const Body *body, PetscReal dx)
+/* PrismCount - Returns the number of points on a prism without its ends; not collective */
+PetscInt PrismCount(const Body *body, PetscReal dx)
 {
   return Product(body->shape->outline->Count(body, dx), PrismLayers(body, dx));
 }
 
-static PetscReal PrismPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
-                            PetscReal normal[])
+/* PrismPoint - Computes point k on a prism without its ends; not collective */
+PetscReal PrismPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {
   const PetscInt  n      = body->shape->outline->Count(body, dx);
   const PetscReal height = (body->ends[1] - body->ends[0]) / PrismLayers(body, dx);
@@ -247,14 +254,6 @@ static PetscReal RevolvedDistance(const Body *body, const PetscReal x[], PetscRe
   return distance;
 }
 
-/* ShapeRingCount - Returns the number of points about dx apart on a ring of radius r about the axis
-   z, a multiple of four: planes of symmetry through the axis are half a spacing from them; not
-   collective */
-PetscInt ShapeRingCount(PetscReal r, PetscReal dx)
-{
-  return 4 * ShapeLineCount(0.5 * PETSC_PI * r, dx, 1);
-}
-
 /* A ring of points about the axis: its middle, the outward normal, and its area for each point. */
 typedef struct {
   PetscReal r, z, normal[2], area;
@@ -358,10 +357,10 @@ static const ShapeRow box = {
 
 const ShapeRow ShapeCylinder = {
     .name     = "cylinder",
-    .brief    = "cx,cy,r: along z through the box",
+    .brief    = "cx,cy,r: along z through the box; or x0,y0,z0,x1,y1,z1,r: between two points",
     .citation = "",
     .fewest   = 3,
-    .most     = 3,
+    .most     = 7,
     .round    = PETSC_TRUE,
     .outline  = &ShapeCircle,
     .Prepare  = PrismPrepare,
@@ -384,5 +383,7 @@ static const ShapeRow prism = {
     .Point    = PrismPoint,
 };
 
-static const ShapeRow *const solids[] = {&ShapeBall, &box, &ShapeCylinder, &prism, &ShapeRevolved};
+static const ShapeRow *const solids[] = {&ShapeBall,    &box,           &ShapeCylinder,
+                                         &prism,        &ShapeRevolved, &ShapeEllipsoid,
+                                         &ShapeRounded, &ShapeCone};
 const Table SolidTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 3D", solids);

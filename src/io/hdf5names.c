@@ -46,25 +46,37 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes real numbers as an attribute. */
+static PetscErrorCode WriteReals(Hdf5File *file, const char name[], PetscInt n, const PetscReal x[])
+{
+  double *numbers;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &numbers));
+  for (PetscInt k = 0; k < n; k++) numbers[k] = (double)x[k];
+  PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, n, numbers));
+  PetscCall(PetscFree(numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Hdf5WriteGeometry - Writes the box of a scene, its bodies and if it has a free surface as
   attributes of the file
 
   Collective on comm. box has the low corner and the high one [m]; body_<k> the numbers of shape
-  k of the list body_shapes, as BodySet() prepares them: corners for boxes; body_<k>_ends in 3D
+  k of the list body_shapes, as BodySet() prepares them: corners for boxes, and of the outline of
+  shapes with curves; body_<k>_ends in 3D
   both ends along z; body_<k>_around is 1 for bodies with the fluid inside.
 */
 PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
 {
   const int    free_surface = SceneHasFreeSurface(scene) ? 1 : 0;
   const size_t size         = (size_t)scene->n_bodies * KIND_NAME + 1;
-  double       box[2 * ISPH_MAX_DIM], *numbers;
+  double       box[2 * ISPH_MAX_DIM];
   char         name[WALL_NAME + 8], *shapes;
-  PetscInt     most = 1;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) most = PetscMax(most, SceneBody(scene, k)->n);
-  PetscCall(PetscCalloc2(size, &shapes, most, &numbers));
+  PetscCall(PetscCalloc1(size, &shapes));
   for (PetscInt a = 0; a < scene->dim; a++) {
     box[a]              = (double)scene->lo[a];
     box[scene->dim + a] = (double)scene->hi[a];
@@ -75,12 +87,15 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     const Body  *body    = SceneBody(scene, k);
     const int    around  = body->around ? 1 : 0;
     const double ends[2] = {(double)body->ends[0], (double)body->ends[1]};
+    PetscReal   *corner;
+    PetscInt     n;
 
-    for (PetscInt c = 0; c < body->n; c++) numbers[c] = (double)body->parameter[c];
+    PetscCall(BodyCorners(body, 0.5 * scene->dx, &n, &corner));
     if (k) PetscCall(PetscStrlcat(shapes, ",", size));
-    PetscCall(PetscStrlcat(shapes, body->shape->name, size));
+    PetscCall(PetscStrlcat(shapes, n ? "outline" : body->shape->name, size));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d", (int)k + 1));
-    PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, body->n, numbers));
+    PetscCall(WriteReals(file, name, n ? 2 * n : body->n, n ? corner : body->parameter));
+    PetscCall(PetscFree(corner));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d_around", (int)k + 1));
     PetscCall(Hdf5WriteNumber(file, name, H5T_NATIVE_INT, &around));
     if (scene->dim < 3) continue;
@@ -88,7 +103,7 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, 2, ends));
   }
   PetscCall(Hdf5WriteText(file, "/", "body_shapes", shapes));
-  PetscCall(PetscFree2(shapes, numbers));
+  PetscCall(PetscFree(shapes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -160,7 +160,13 @@ static PetscErrorCode SceneShapes(const Scene *scene, double value[])
   uint64_t sum = 0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) SumShape(SceneBody(scene, k), &sum);
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    char option[64];
+
+    SumShape(SceneBody(scene, k), &sum);
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_place", k + 1));
+    if (SceneBody(scene, k)->pose) PetscCall(SumOption(option, &sum));
+  }
   for (PetscInt k = 0; k < scene->n_filled; k++) SumShape(&scene->filled[k], &sum);
   value[0] = (double)(sum >> 16); /* a double holds 48 bits exactly */
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BEYOND       16       /* numbers tried behind the last */
+#define BEYOND       16 /* numbers tried behind the last */
+#define TOO_LARGE    "%s: its outline is longer than %d dx; a shape need not reach beyond the box"
 #define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
 
 /* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
@@ -49,9 +50,23 @@ static PetscErrorCode ReadNumbers(Scene *scene, const ShapeRow *shape, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a solid in a box that has too many points, before they are computed. */
+static PetscErrorCode CheckSize(const Scene *scene, const char option[], const Body *body)
+{
+  const PetscReal dx = BodySpacing(scene, body);
+  PetscReal       edge[ISPH_MAX_DIM], area = 0.0;
+
+  PetscFunctionBegin;
+  if (body->shape->plane || BodyReachesThrough(body, 2)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) edge[a] = (body->hi[a] - body->lo[a]) / dx;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) area += 2.0 * edge[a] * edge[(a + 1) % 3];
+  UserCheck(area < 2.0 * SHAPE_POINTS, TOO_LARGE, option, SHAPE_POINTS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the name of a shape of a table and its numbers, as "circle,0.5,0.5,0.25", or its text. */
-static PetscErrorCode ReadShape(Scene *scene, const Table *table, const char option[],
-                                const char text[], Body *body)
+static PetscErrorCode ReadPart(Scene *scene, const Table *table, const char option[],
+                               const char text[], Body *body)
 {
   const ShapeRow *shape;
   const size_t    length = strcspn(text, ",");
@@ -68,26 +83,75 @@ static PetscErrorCode ReadShape(Scene *scene, const Table *table, const char opt
   } else {
     PetscCall(ReadNumbers(scene, shape, option, text, body));
   }
-  UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
-            "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
-            option, SHAPE_POINTS);
+  PetscCall(CheckSize(scene, option, body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ShapeRead - Reads the shape of item k of an option pattern; collective. Output: given - the user
-   gave the option */
-PetscErrorCode ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
-                         PetscBool *given)
+/* Returns the operator " + ", " - " or " & " after a part of a compound; NULL behind the last. */
+static char *NextOperator(char *text)
 {
-  char        name[OPTION_LENGTH];
+  for (char *at = text; *at; at++)
+    if (at[0] == ' ' && strchr("+-&", at[1]) && at[1] && at[2] == ' ') return at;
+  return NULL;
+}
+
+/* Reads a shape, or a compound of shapes, as "box,0,0,1,1 - circle,0.5,0.5,0.2". */
+static PetscErrorCode ReadShape(Scene *scene, const Table *table, const char option[],
+                                const char text[], Body *body)
+{
+  char       *copy, *next, *operation;
+  const char *fault = NULL;
+  Body       *part;
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrallocpy(text, &copy));
+  PetscCall(PetscMalloc2(strlen(text) + 1, &operation, strlen(text) / 3 + 1, &part));
+  for (char *from = copy; from; from = next) {
+    operation[n] = from == copy ? '+' : from[-2];
+    next         = NextOperator(from);
+    if (next) *next = '\0';
+    if (next) next += 3;
+    PetscCall(ReadPart(scene, table, option, from + strspn(from, " "), &part[n++]));
+  }
+  *body = part[0];
+  if (n > 1) {
+    *body = (Body){.store = &scene->store};
+    for (PetscInt end = 0; end < 2; end++) body->ends[end] = part[0].ends[end];
+    body->centre[2] = part[0].centre[2];
+    PetscCall(BodyCompound(n, part, operation, body, &fault));
+  }
+  UserCheck(!fault, "%s: %s", option, fault);
+  PetscCall(PetscFree(copy));
+  PetscCall(PetscFree2(operation, part));
+  UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS, TOO_LARGE, option,
+            SHAPE_POINTS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ShapeRead - Reads the shape of item k of an option pattern; collective. Input: place - of the
+   shape in a list with semicolons, from 0; -1: there is no list. Output: given - the user gave the
+   option, and this shape */
+PetscErrorCode ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, PetscInt place,
+                         Body *body, PetscBool *given)
+{
+  char        name[OPTION_LENGTH], *shape;
   const char *text;
   OptionRow   row;
 
   PetscFunctionBegin;
   OptionNumber(pattern, k, name, &row);
   PetscCall(OptionTyped(name, &text, given));
-  if (*given)
-    PetscCall(ReadShape(scene, scene->dim == 3 ? row.table_3d : row.table, name, text, body));
+  for (PetscInt before = 0; *given && before < place; before++) {
+    text += strcspn(text, ";");
+    if (*text) text += 1 + strspn(text + 1, " ");
+    else *given = PETSC_FALSE;
+  }
+  if (!*given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrallocpy(text, &shape));
+  if (place >= 0) shape[strcspn(shape, ";")] = '\0';
+  PetscCall(ReadShape(scene, scene->dim == 3 ? row.table_3d : row.table, name, shape, body));
+  PetscCall(PetscFree(shape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,15 +309,37 @@ PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[]
   return BodyDistanceWithin(scene, body, x, PETSC_INFINITY, normal);
 }
 
+/* Returns the largest distance of x along an axis from the box around a body, or its images: the
+   body is not nearer [m]. */
+static PetscReal BoxDistance(const Scene *scene, const Body *body, const PetscReal x[])
+{
+  PetscReal far = -PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal half = 0.5 * (body->hi[a] - body->lo[a]), period = scene->hi[a] - scene->lo[a];
+    PetscReal       from;
+
+    if (half == PETSC_INFINITY) continue;
+    from = PetscAbsReal(x[a] - body->lo[a] - half);
+    if (from - half > far && SceneIsPeriodic(scene, a))
+      from = PetscAbsReal(from - period * PetscFloorReal(from / period + 0.5));
+    far = PetscMax(far, from - half);
+  }
+  return far;
+}
+
 /* BodyDistanceWithin - Returns BodyDistance(), or any number larger than `most`, without a normal,
    if the distance is certainly larger [m]; not collective */
 PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
                              PetscReal most, PetscReal normal[])
 {
-  PetscReal       y[ISPH_MAX_DIM];
-  const PetscReal bound    = body->around ? PETSC_INFINITY : most;
-  const PetscReal distance = NearestImage(scene, body, x, bound, y, normal);
+  PetscReal y[ISPH_MAX_DIM], distance;
 
+  if (!body->around && !body->pose && most < PETSC_INFINITY) {
+    distance = BoxDistance(scene, body, x);
+    if (distance > most + SCENE_ON_SURFACE * body->extent) return distance;
+  }
+  distance = NearestImage(scene, body, x, body->around ? PETSC_INFINITY : most, y, normal);
   if (!body->around) return distance;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = -normal[a];
   return -distance;

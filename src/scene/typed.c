@@ -8,6 +8,7 @@ enum {
   BOX,
   WALL_VELOCITY,
   BODY,
+  BODY_PLACE,
   BODY_VELOCITY,
   BODY_POSITION,
   BODY_ROTATION,
@@ -46,11 +47,24 @@ static const OptionRow options[] = {
             .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
                      "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or revolved,r0,z0,... about the "
                      "axis z or, through the box along z, cylinder,cx,cy,r or prism,x0,y0,...; "
+                     "more shapes: -catalogue; shapes with ' + ', ' - ' or ' & ' between are "
+                     "added, cut away or intersected in their order; several bodies may be listed "
+                     "with semicolons; "
                      "bodies are numbered 1, 2, ...",
             .unit  = "m",
             .table = &ShapeTable,
             .table_3d = &SolidTable,
             .where    = "-case scene",
+        },
+    [BODY_PLACE] =
+        {
+            .name     = "-scene_body_<k>_place",
+            .kind     = VALUE_REALS,
+            .brief    = "way of a body from where its shape was typed, and turn about its centre: "
+                        "dx,dy[,degrees]; in 3D dx,dy,dz[,ax,ay,az,degrees] about ax,ay,az",
+            .unit     = "m",
+            .standard = "0",
+            .where    = "-case scene, bodies that are given",
         },
     [BODY_VELOCITY] =
         {
@@ -243,6 +257,41 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Moves and turns body k to its place. */
+static PetscErrorCode ReadPlace(PetscInt k, Scene *scene, Body *body)
+{
+  PetscReal number[7] = {0.0}, axis[ISPH_MAX_DIM] = {0.0, 0.0, 1.0}, length = 0.0;
+  PetscInt  n;
+  PetscBool given;
+  char      name[OPTION_LENGTH];
+  OptionRow row;
+  Pose     *pose;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[BODY_PLACE], k, name, &row);
+  PetscCall(OptionGetReals(&row, 7, number, &n, &given));
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(n == scene->dim || n == (scene->dim == 2 ? 3 : 7),
+            "%s: it has %" PetscInt_FMT " numbers; way and turn are dx,dy[,degrees], in 3D "
+            "dx,dy,dz[,ax,ay,az,degrees]",
+            name, n);
+  for (PetscInt a = 0; a < 3 && n == 7; a++) axis[a] = number[3 + a];
+  for (PetscInt a = 0; a < 3; a++) length += PetscSqr(axis[a]);
+  UserCheck(length > 0.0, "%s: the axis 0,0,0 has no direction", name);
+  UserCheck(!BodyReachesThrough(body, 2) ||
+                (axis[0] == 0.0 && axis[1] == 0.0 && (scene->dim == 2 || number[2] == 0.0)),
+            "%s: a %s that reaches through the box stays along z", name, body->shape->name);
+  PetscCall(PetscNew(&pose));
+  PetscCall(BodyStoreAdd(pose, body->store));
+  PoseStart(body, pose);
+  for (PetscInt a = 0; a < scene->dim; a++) pose->x[a] += number[a];
+  for (PetscInt a = 0; a < 3; a++)
+    axis[a] *= number[scene->dim == 2 ? 2 : 6] * PETSC_PI / 180.0 / PetscSqrtReal(length);
+  PoseRotate(axis, pose);
+  body->pose = pose;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Gives the bodies poses, if one of them moves. */
 static PetscErrorCode CreatePoses(Scene *scene)
 {
@@ -262,35 +311,51 @@ static PetscErrorCode CreatePoses(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads bodies 1, 2, ... */
+/* Adds body k, with all that is given of it. */
+static PetscErrorCode AddBody(PetscInt k, const Body *body, Scene *scene)
+{
+  Boundary *boundary = SceneAddBody(scene);
+  char      name[OPTION_LENGTH];
+  OptionRow row;
+
+  PetscFunctionBegin;
+  boundary->body = *body;
+  PetscCall(ReadPlace(k, scene, &boundary->body));
+  OptionNumber(&options[BODY_AROUND], k, name, &row);
+  PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
+  PetscCall(ReadBodyMotion(k, scene, boundary));
+  for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
+    const BoundaryRow *kind = scene->boundary[side].kind;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+    if (BodyReachesThrough(&boundary->body, side / 2)) continue;
+    UserCheck(kind == &BoundaryWall,
+              "%s: the sides of the box are then in the solid, which "
+              "excludes %s",
+              name, kind->option.name);
+    SceneSetSide(scene, side, &BoundaryNone);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads bodies 1, 2, ...; an option may list several, which are numbered on. */
 static PetscErrorCode ReadBodies(Scene *scene)
 {
+  PetscInt  first = 1, place = 0; /* the option, and the shape in its list */
+  PetscBool given = PETSC_TRUE;
+
   PetscFunctionBegin;
-  for (PetscInt k = 1; PETSC_TRUE; k++) {
-    Boundary *boundary;
-    Body      body;
-    char      name[OPTION_LENGTH];
-    OptionRow row;
-    PetscBool given;
+  while (given || place) {
+    Body body;
 
-    PetscCall(ShapeRead(scene, &options[BODY], k, &body, &given));
-    if (!given) break;
-    boundary       = SceneAddBody(scene);
-    boundary->body = body;
-    OptionNumber(&options[BODY_AROUND], k, name, &row);
-    PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
-    PetscCall(ReadBodyMotion(k, scene, boundary));
-    for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
-      const BoundaryRow *kind = scene->boundary[side].kind;
-
-      if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-      if (BodyReachesThrough(&boundary->body, side / 2)) continue;
-      UserCheck(kind == &BoundaryWall,
-                "%s: the sides of the box are then in the solid, which "
-                "excludes %s",
-                name, kind->option.name);
-      SceneSetSide(scene, side, &BoundaryNone);
+    if (!given) {
+      first = scene->n_bodies + 1;
+      place = 0;
     }
+    PetscCall(ShapeRead(scene, &options[BODY], first, place, &body, &given));
+    if (!given) continue;
+    PetscCall(AddBody(scene->n_bodies + 1, &body, scene));
+    place++;
   }
   PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, 0));
   PetscCall(CreatePoses(scene));
@@ -378,8 +443,12 @@ static PetscErrorCode ReadFilled(Scene *scene)
   for (PetscInt k = 1; k <= SCENE_MAX_FILLED; k++) {
     Body body;
 
-    PetscCall(ShapeRead(scene, &options[FILLED], k, &body, &given));
+    PetscCall(ShapeRead(scene, &options[FILLED], k, -1, &body, &given));
     if (!given) break;
+    UserCheck(BodyLoops(&body) == 1,
+              "-scene_filled_%" PetscInt_FMT ": its border has %" PetscInt_FMT
+              " loops; type them as regions of their own, or a hole as a region of another fluid",
+              k, BodyLoops(&body));
     *SceneAddFilled(scene) = body;
   }
   PetscCall(ShapeCheckNumbers(&options[FILLED], scene->n_filled, SCENE_MAX_FILLED));
@@ -401,7 +470,7 @@ static PetscErrorCode ReadFluids(Scene *scene)
     char       name[OPTION_LENGTH];
     OptionRow  row;
 
-    PetscCall(ShapeRead(scene, &options[FLUID], k, &scene->region[scene->n_regions], &given));
+    PetscCall(ShapeRead(scene, &options[FLUID], k, -1, &scene->region[scene->n_regions], &given));
     if (!given) break;
     OptionNumber(&options[FLUID_VISCOSITY], k, name, &row);
     PetscCall(OptionGetReal(&row, nu, &given));
@@ -432,6 +501,7 @@ static PetscErrorCode ReadFluids(Scene *scene)
 . -scene_outflow right,...         - sides through which fluid leaves
 . -scene_wall_<side>_velocity u,v  - velocity of a side of the box [m/s] (x, y, t)
 . -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
+. -scene_body_<k>_place dx,dy,w    - way from there [m], and turn about the centre [degrees]
 . -scene_body_<k>_velocity u,v     - velocity of the body, or of its surface [m/s] (t)
 . -scene_body_<k>_position x,y     - position of its centre, in place of the velocity [m] (t)
 . -scene_body_<k>_rotation w       - angular velocity about its centre [rad/s] (t)

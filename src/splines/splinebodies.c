@@ -292,19 +292,20 @@ static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
   const PetscReal spacing = 0.25 * PetscMin(l->side[0], l->side[1]);
   Outline        *outline;
   PetscReal       base = 1.0;
-  PetscInt        n    = 0;
+  PetscInt        n = 0, loops = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(9 * scene->n_bodies, &outline));
+  for (PetscInt k = 0; k < scene->n_bodies; k++) loops += BodyLoops(SceneBody(scene, k));
+  PetscCall(PetscMalloc1(9 * loops, &outline));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body = SceneBody(scene, k);
 
     if (body->around) base -= 1.0;
-    for (PetscInt image = 0; image < 9; image++) {
+    for (PetscInt image = 0; image < 9 * BodyLoops(body); image++) {
       PetscReal shift[2];
 
-      if (!ImageShift(scene, body, image, shift)) continue;
-      PetscCall(OutlineCreate(body, spacing, shift, &outline[n]));
+      if (!ImageShift(scene, body, image % 9, shift)) continue;
+      PetscCall(OutlineCreate(body, image / 9, spacing, shift, &outline[n]));
       if (OutlineIsApart(&outline[n], scene->lo, scene->hi)) {
         PetscCall(PetscFree(outline[n].x));
         continue;

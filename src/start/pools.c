@@ -5,6 +5,7 @@
   relax.c). All particles of a pool have the same share of its volume.
 */
 #include "start.h"
+#include <string.h>
 
 #define POINTS 8   /* of the quadrature of volumes, along dx */
 #define TOUCH  0.5 /* gap below which regions touch [dx] */
@@ -154,11 +155,15 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   const PetscInt axes = BoxAround(pools, pool, q.lo, hi) ? 2 : 3;
   PetscInt       cells, first, last;
   PetscInt64     sum = 0;
+  BodyMoments    moments;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
     if (pools->of[k] != pool || BodyOutline(scene, &scene->filled[k])) continue;
-    *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
+    BodyFindMoments(&scene->filled[k], &moments);
+    *volume = moments.volume;
+    if (!strcmp(scene->filled[k].shape->name, "ball")) /* exactly */
+      *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt a = 0; a < axes; a++) {
@@ -196,8 +201,8 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
               k + 1);
     if (BodyOutline(scene, body)) continue;
     UserCheck(alone,
-              "-scene_filled_%" PetscInt_FMT ": a ball may not touch another region that is filled",
-              k + 1);
+              "-scene_filled_%" PetscInt_FMT ": a %s may not touch another region that is filled",
+              k + 1, body->shape->name);
     for (PetscInt a = 0; a < scene->dim; a++) {
       PetscReal span[2];
 
@@ -205,9 +210,10 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
       UserCheck(span[0] >= scene->lo[a] + 0.5 * scene->dx &&
                     span[1] <= scene->hi[a] - 0.5 * scene->dx,
                 "-scene_filled_%" PetscInt_FMT
-                ": a ball stays dx/2 = %.3g off the sides of the box; along %s it reaches from "
+                ": a %s stays dx/2 = %.3g off the sides of the box; along %s it reaches from "
                 "%.4g to %.4g",
-                k + 1, (double)(0.5 * scene->dx), BoxAxes[a], (double)span[0], (double)span[1]);
+                k + 1, body->shape->name, (double)(0.5 * scene->dx), BoxAxes[a], (double)span[0],
+                (double)span[1]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
