@@ -218,7 +218,7 @@ static void TryConservation(const CloudBox *box, Fixture *f)
   ASSERT_OK(SplinesDivergence(&f->flow, &f->splines, f->cloud.f, 0.0, f->d));
   ASSERT_OK(VecSum(f->d, &sum));
   CloudAssertNone("volume is conserved", box->name, !(PetscAbsReal(sum) < 1e-10));
-  ASSERT_OK(SplinesMatrix(f->flow.particles, PETSC_FALSE, &f->splines));
+  ASSERT_OK(SplinesMatrix(f->flow.particles, &f->splines));
   SetUnknowns(f, NULL);
   ASSERT_OK(MatMult(f->splines.A, f->splines.p, f->d));
   AssertNorm("A 1 = 0", box->name, f->d, 1e-11);
@@ -227,37 +227,6 @@ static void TryConservation(const CloudBox *box, Fixture *f)
   ASSERT_OK(VecSum(f->d, &sum));
   CloudAssertNone("1^T A = 0", box->name, !(PetscAbsReal(sum) < 1e-10));
   ASSERT_OK(PetscRandomDestroy(&random));
-}
-
-/* On a single rank the rows of A are also computed without PETSc's products. On a lattice some are
-   equal and stored once. */
-static void TryRows(const CloudBox *box, Fixture *f)
-{
-  PetscErrorCode (*Flatten)(Mat, Mat *);
-  SplineRows *rows;
-  Mat         A[2];
-  PetscMPIInt ranks;
-  Vec         y;
-
-  assert_int_equal(MPI_Comm_size(PETSC_COMM_WORLD, &ranks), 0);
-  if (ranks > 1) return;
-  ASSERT_OK(SplineRowsCompute(&f->splines, f->cloud.particles, &rows));
-  CloudAssertNone("rows", box->name, box->dim == 2 && !rows);
-  if (!rows) return;
-  CloudAssertNone("rows stored", box->name, box->jitter == 0.0 && rows->stored >= rows->n);
-  ASSERT_OK(SplineRowsShell(PETSC_COMM_WORLD, rows, &A[0]));
-  ASSERT_OK(PetscObjectQueryFunction((PetscObject)A[0], MAT_FLATTEN, &Flatten));
-  ASSERT_OK((*Flatten)(A[0], &A[1]));
-  ASSERT_OK(VecDuplicate(f->d, &y));
-  ASSERT_OK(VecSetRandom(f->splines.p, NULL));
-  for (PetscInt k = 0; k < 2; k++) {
-    ASSERT_OK(MatMult(A[k], f->splines.p, y));
-    ASSERT_OK(MatMult(f->splines.A, f->splines.p, f->d));
-    ASSERT_OK(VecAXPY(y, -1.0, f->d));
-    AssertNorm("products of rows", box->name, y, 1e-10);
-    ASSERT_OK(MatDestroy(&A[k]));
-  }
-  ASSERT_OK(VecDestroy(&y));
 }
 
 /* Sets the coefficients to 2 + g.x at the centres, for which the pressure is the same function. */
@@ -411,7 +380,6 @@ static void test_box(void **state)
     TryLinear(box, &f);
     TryRigid(box, &f);
     TryConservation(box, &f);
-    TryRows(box, &f);
     TryPoints(box, &f);
     TryPolynomials(box, &f);
     Teardown(&f);

@@ -77,6 +77,8 @@ static PetscErrorCode ShellCreate(const AffineOperator *op, Mat *J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define ENTRIES "entries"
+
 /* The entries of a matrix, which uses them on a single rank. */
 typedef struct {
   PetscInt  *col;
@@ -108,7 +110,7 @@ static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
   for (PetscInt s = 0; s < n; s++) entries->col[s] = Column(rows, s);
   pattern.col = entries->col;
   PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, NULL, J));
-  PetscCall(MatKeep(*J, "entries", entries, EntriesDestroy));
+  PetscCall(MatKeep(*J, ENTRIES, entries, EntriesDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,94 +142,40 @@ PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes row i of shift I + scale A; col: NULL, or the global columns. */
-static void SystemRow(const AffineOperator *op, PetscInt i, PetscReal shift, PetscReal scale,
-                      PetscReal value[], PetscInt col[])
+/* Computes the entries of shift I + scale A in the order of the pattern. */
+static void SystemValues(const AffineOperator *op, PetscReal shift, PetscReal scale,
+                         PetscReal value[])
 {
-  const OperatorRows *rows  = op->rows;
-  const PetscInt      first = rows->fluid.row[i], n = rows->fluid.row[i + 1] - first;
-  const PetscInt      own = rows->particles->row[i];
-  const PetscReal    *a   = AffineRow(rows, op, i);
+  const OperatorRows *rows = op->rows;
 
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt column = Column(rows, first + k);
+  for (PetscInt i = 0; i < rows->fluid.n; i++) {
+    const PetscInt   first = rows->fluid.row[i];
+    const PetscReal *a     = AffineRow(rows, op, i);
 
-    value[k] = scale * a[k];
-    if (column == own) value[k] += shift;
-    if (col) col[k] = column;
-  }
-}
-
-/* Sets the values of a MATSEQAIJ. */
-static PetscErrorCode SetSequential(const AffineOperator *op, PetscReal shift, PetscReal scale,
-                                    Mat J)
-{
-  const Pattern *pattern = &op->rows->fluid;
-  PetscScalar   *to;
-
-  PetscFunctionBegin;
-  PetscCall(MatSeqAIJGetArrayWrite(J, &to));
-  for (PetscInt i = 0; i < pattern->n; i++)
-    SystemRow(op, i, shift, scale, to + pattern->row[i], NULL);
-  PetscCall(MatSeqAIJRestoreArrayWrite(J, &to));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the length of the longest row. */
-static PetscInt LongestRow(const Pattern *pattern)
-{
-  PetscInt longest = 0;
-
-  for (PetscInt i = 0; i < pattern->n; i++)
-    longest = PetscMax(longest, pattern->row[i + 1] - pattern->row[i]);
-  return longest;
-}
-
-/* Sets the values of a MATMPIAIJ of PatternMat(), whose rows over own columns and over columns of
-   other ranks are apart. */
-static PetscErrorCode SetParallel(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
-{
-  const Pattern *pattern = &op->rows->fluid;
-  const PetscInt longest = LongestRow(pattern);
-  PetscInt       start, end, n[2] = {0, 0}, *col;
-  PetscScalar   *to[2];
-  PetscReal     *value;
-  Mat            part[2];
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(longest, &value, longest, &col));
-  PetscCall(MatMPIAIJGetSeqAIJ(J, &part[0], &part[1], NULL));
-  PetscCall(MatGetOwnershipRangeColumn(J, &start, &end));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJGetArrayWrite(part[k], &to[k]));
-  for (PetscInt i = 0; i < pattern->n; i++) {
-    SystemRow(op, i, shift, scale, value, col);
-    for (PetscInt s = 0; s < pattern->row[i + 1] - pattern->row[i]; s++) {
-      const PetscInt k = col[s] >= start && col[s] < end ? 0 : 1;
-
-      to[k][n[k]++] = value[s];
+    for (PetscInt s = first; s < rows->fluid.row[i + 1]; s++) {
+      value[s] = scale * a[s - first];
+      if (Column(rows, s) == rows->particles->row[i]) value[s] += shift;
     }
   }
-  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJRestoreArrayWrite(part[k], &to[k]));
-  PetscCall(PetscFree2(value, col));
-  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets the rows of a matrix of any type. */
 static PetscErrorCode SetRows(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
   const Pattern *pattern = &op->rows->fluid;
-  const PetscInt longest = LongestRow(pattern);
+  const PetscInt entries = pattern->row[pattern->n];
   PetscInt      *col;
   PetscReal     *value;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(longest, &value, longest, &col));
+  PetscCall(PetscMalloc2(entries, &value, entries, &col));
+  SystemValues(op, shift, scale, value);
+  for (PetscInt s = 0; s < entries; s++) col[s] = Column(op->rows, s);
   for (PetscInt i = 0; i < pattern->n; i++) {
-    SystemRow(op, i, shift, scale, value, col);
-    PetscCall(MatSetValues(J, 1, &op->rows->particles->row[i],
-                           pattern->row[i + 1] - pattern->row[i], col, value, INSERT_VALUES));
+    const PetscInt first = pattern->row[i], n = pattern->row[i + 1] - first;
+
+    PetscCall(MatSetValues(J, 1, &op->rows->particles->row[i], n, col + first, value + first,
+                           INSERT_VALUES));
   }
   PetscCall(PetscFree2(value, col));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
@@ -239,7 +187,9 @@ static PetscErrorCode SetRows(const AffineOperator *op, PetscReal shift, PetscRe
    collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
-  PetscBool sequential, parallel, is_shell;
+  Pattern        pattern = op->rows ? op->rows->fluid : (Pattern){.n = 0};
+  PetscContainer container;
+  PetscBool      plain, is_shell;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSHELL, &is_shell));
@@ -258,11 +208,16 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
     PetscCall(MatShift(J, shift));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSEQAIJ, &sequential));
-  PetscCall(PetscObjectTypeCompare((PetscObject)J, MATMPIAIJ, &parallel));
-  if (sequential) PetscCall(SetSequential(op, shift, scale, J));
-  else if (parallel) PetscCall(SetParallel(op, shift, scale, J));
-  else PetscCall(SetRows(op, shift, scale, J));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)J, &plain, MATSEQAIJ, MATMPIAIJ, ""));
+  PetscCall(PetscObjectQuery((PetscObject)J, ENTRIES, (PetscObject *)&container));
+  if (plain && container) {
+    Entries *entries;
+
+    PetscCall(PetscContainerGetPointer(container, (void **)&entries));
+    SystemValues(op, shift, scale, entries->value);
+    pattern.col = entries->col;
+    PetscCall(PatternMatSet(&pattern, entries->value, J));
+  } else PetscCall(SetRows(op, shift, scale, J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

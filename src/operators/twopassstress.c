@@ -132,57 +132,26 @@ void AddRows_Composed(Stencil *st, PetscInt diagonal, Operators *ops)
   else AddRows_WallStress(st, diagonal, c, ops);
 }
 
-/* A sparse matrix under construction, whose rows and columns are components of particles. */
-typedef struct {
-  PetscInt     rows, cols;        /* components of each particle */
-  PetscInt     n, n_cols;         /* own particles of rows and of columns */
-  PetscInt    *start, *col, used; /* compressed rows */
-  PetscScalar *value;
-} Blocks;
-
-static PetscErrorCode BlocksCreate(PetscInt rows, PetscInt cols, PetscInt n, PetscInt n_cols,
-                                   PetscInt most, Blocks *to)
+/* Appends an entry to rows in the making. */
+static void Store(SparseRows *to, PetscInt *used, PetscInt column, PetscReal value)
 {
-  PetscFunctionBegin;
-  *to = (Blocks){.rows = rows, .cols = cols, .n = n, .n_cols = n_cols};
-  PetscCall(PetscMalloc3(rows * n + 1, &to->start, most, &to->col, most, &to->value));
-  to->start[0] = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates the matrix and frees the arrays. */
-static PetscErrorCode BlocksMat(MPI_Comm comm, Blocks *from, Mat *A)
-{
-  PetscFunctionBegin;
-  PetscCall(MatCreate(comm, A));
-  PetscCall(MatSetSizes(*A, from->rows * from->n, from->cols * from->n_cols, PETSC_DETERMINE,
-                        PETSC_DETERMINE));
-  PetscCall(MatSetType(*A, MATAIJ));
-  PetscCall(MatSeqAIJSetPreallocationCSR(*A, from->start, from->col, from->value));
-  PetscCall(MatMPIAIJSetPreallocationCSR(*A, from->start, from->col, from->value));
-  PetscCall(PetscFree3(from->start, from->col, from->value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void StoreComponent(Blocks *to, PetscInt particle, PetscInt component, PetscReal value)
-{
-  to->col[to->used]     = to->cols * particle + component;
-  to->value[to->used++] = value;
+  to->col[*used]       = column;
+  to->value[(*used)++] = value;
 }
 
 /* Puts the entries of a slot into the row (a, b) of E, or of the stress S E if t >= 0, which is
-   g + g^T - t tr(g) I. Input: g - weights of the gradient. */
+   g + g^T - t tr(g) I. Input: g - weights of the gradient; first - column of the particle. */
 static void PutStress(PetscInt d, PetscInt a, PetscInt b, PetscReal t, const PetscReal g[],
-                      PetscInt particle, Blocks *to)
+                      PetscInt first, SparseRows *to, PetscInt *used)
 {
   if (a != b) {
-    StoreComponent(to, particle, b, g[a]);
-    StoreComponent(to, particle, a, g[b]);
+    Store(to, used, first + b, g[a]);
+    Store(to, used, first + a, g[b]);
     return;
   }
   for (PetscInt c = 0; c < d; c++) {
-    if (t < 0.0 && c == a) StoreComponent(to, particle, c, g[a]);
-    if (t >= 0.0) StoreComponent(to, particle, c, (c == a ? 2.0 * g[a] : 0.0) - t * g[c]);
+    if (t < 0.0 && c == a) Store(to, used, first + c, g[a]);
+    if (t >= 0.0) Store(to, used, first + c, (c == a ? 2.0 * g[a] : 0.0) - t * g[c]);
   }
 }
 
@@ -192,11 +161,11 @@ static PetscErrorCode StrainMat(const Particles *p, const Operators *ops, PetscB
 {
   const Pattern *pattern = over_walls ? &ops->rows.walls : &ops->rows.fluid;
   const PetscInt d = p->dim, count = pattern->row[p->n_fluid];
-  Blocks         to;
+  SparseRows     to;
+  PetscInt       used = 0;
 
   PetscFunctionBegin;
-  PetscCall(BlocksCreate(Entries(d), d, p->n_fluid, over_walls ? p->n_wall : p->n_fluid,
-                         count * (d * (d - 1) + d * d), &to));
+  PetscCall(SparseRowsMalloc(Entries(d) * p->n_fluid, count * (d * (d - 1) + d * d), &to));
   for (PetscInt r = 0; r < Entries(d) * p->n_fluid; r++) {
     const PetscInt i = r / Entries(d),
                    a = r % Entries(d) < 1   ? 0
@@ -209,11 +178,11 @@ static PetscErrorCode StrainMat(const Particles *p, const Operators *ops, PetscB
 
       for (PetscInt e = 0; e < d; e++)
         g[e] = over_walls ? ops->first_pass[e].b[s] : ops->first_pass[e].a[s];
-      PutStress(d, a, b, t, g, pattern->col[s], &to);
+      PutStress(d, a, b, t, g, d * pattern->col[s], &to, &used);
     }
-    to.start[r + 1] = to.used;
+    to.row[r + 1] = used;
   }
-  PetscCall(BlocksMat(p->comm, &to, A));
+  PetscCall(SparseRowsMat(p->comm, &to, d * (over_walls ? p->n_wall : p->n_fluid), A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,20 +192,21 @@ static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops,
 {
   const Pattern *pattern = &ops->rows.fluid;
   const PetscInt d = p->dim, count = pattern->row[p->n_fluid];
-  Blocks         to;
+  SparseRows     to;
+  PetscInt       used = 0;
 
   PetscFunctionBegin;
-  PetscCall(BlocksCreate(d, Entries(d), p->n_fluid, p->n_fluid, count * d * d, &to));
+  PetscCall(SparseRowsMalloc(d * p->n_fluid, count * d * d, &to));
   for (PetscInt r = 0; r < d * p->n_fluid; r++) {
     const PetscInt i = r / d, a = r % d;
 
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
       for (PetscInt b = 0; b < d; b++)
-        StoreComponent(&to, pattern->col[s], Entry(a, b), of[b].a[s]);
+        Store(&to, &used, Entries(d) * pattern->col[s] + Entry(a, b), of[b].a[s]);
     }
-    to.start[r + 1] = to.used;
+    to.row[r + 1] = used;
   }
-  PetscCall(BlocksMat(p->comm, &to, D));
+  PetscCall(SparseRowsMat(p->comm, &to, Entries(d) * p->n_fluid, D));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

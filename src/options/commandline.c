@@ -40,12 +40,6 @@ static const OptionRow options[] = {
         .early = PETSC_TRUE,
     },
     {
-        .name  = "-options_file_yaml",
-        .kind  = VALUE_FILE,
-        .brief = "file with more options as YAML: each line is 'name: value', names without a dash",
-        .early = PETSC_TRUE,
-    },
-    {
         .name  = "-skip_petscrc",
         .kind  = VALUE_SWITCH,
         .brief = "read no options from ~/.petscrc, .petscrc and petscrc",
@@ -119,7 +113,7 @@ Request CommandLineRequest(int *argc, char **argv, const char **word)
 static void CheckWords(const char source[], int n, char *const word[], char sentence[],
                        size_t length)
 {
-  OptionsPlace place = {.depth = 0, .prefixes = 0};
+  OptionsPlace place = {.depth = 0};
 
   (void)snprintf(place.source, sizeof(place.source), "%s", source);
   for (int k = 0; k < n && !sentence[0]; k++) {
@@ -176,8 +170,8 @@ static PetscBool SkipsOwnFiles(int argc, char **argv)
 */
 void OptionsCheck(int argc, char **argv, char sentence[], size_t length)
 {
-  const char *const home = getenv("HOME"), *const yaml = getenv("PETSC_OPTIONS_YAML");
-  char path[PETSC_MAX_PATH_LEN];
+  const char *const home = getenv("HOME");
+  char              path[PETSC_MAX_PATH_LEN];
 
   sentence[0] = '\0';
   if (!SkipsOwnFiles(argc, argv)) {
@@ -187,6 +181,7 @@ void OptionsCheck(int argc, char **argv, char sentence[], size_t length)
     OptionsFileCheck(NULL, "petscrc", sentence, length);
   }
   if (!sentence[0]) CheckEnvironment(sentence, length);
-  if (!sentence[0] && yaml) OptionsYamlCheck("PETSC_OPTIONS_YAML", yaml, sentence, length);
+  if (!sentence[0] && getenv("PETSC_OPTIONS_YAML"))
+    (void)snprintf(sentence, length, "PETSC_OPTIONS_YAML: " OPTIONS_NO_YAML);
   if (!sentence[0]) CheckWords("", argc - 1, argv + 1, sentence, length);
 }

@@ -1,7 +1,8 @@
 /*
   Options files, checked before PETSc reads them: a mistake ends the run with a line that names the
-  file and, unless it is YAML, the line. Each option with its value has a line; # begins a comment;
-  values with blanks need double quotes; -options_file includes another file.
+  file and the line. Each option with its value has a line; # begins a comment; values with blanks
+  need double quotes; -options_file includes another file. What else PETSc would read there, YAML,
+  prefixes, aliases and names of variables, is refused.
 */
 #include "optionsfile.h"
 #include <ctype.h>
@@ -11,6 +12,7 @@
 #include <sys/stat.h>
 
 #define MAX_DEPTH  8 /* files within files */
+#define DEEP       "files are included more than 8 deep; does one include itself?"
 #define MAX_TOKENS 4 /* examined words of a line */
 
 /* OptionBegins - Returns true if a word begins an option: a dash or two and a letter, but no number
@@ -103,7 +105,7 @@ static int Split(char line[], char *token[MAX_TOKENS])
 /* Returns true if PETSc would read a file as YAML, by its name or its first letters. */
 static PetscBool IsYaml(const char path[], FILE *file)
 {
-  const char *const endings[] = {".yaml", ".yml", ".json"};
+  const char *const endings[] = {".yaml", ".yml", ".json", ":yaml"};
   char              first[7]  = "";
   const size_t      length    = strlen(path);
 
@@ -112,88 +114,35 @@ static PetscBool IsYaml(const char path[], FILE *file)
 
     if (length >= n && !strcmp(path + length - n, endings[k])) return PETSC_TRUE;
   }
+  if (!file) return PETSC_FALSE;
   if (!fgets(first, (int)sizeof(first), file)) first[0] = '\0';
   rewind(file);
   return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3);
 }
 
-/* Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for others. */
-static int Prefix(const char word[])
-{
-  return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
-}
-
-static void CheckFile(const char option[], const char name[], int depth, char sentence[],
+static void CheckFile(const char option[], const char path[], int depth, char sentence[],
                       size_t length);
 
 /*
   OptionsPairCheck - Checks an option and its value
 
   Not collective; to be called before PetscInitialize(). Input: value - NULL if there is none.
-  Input/Output: place - counts the prefixes. Output: sentence - the mistake; unchanged if there is
-  none
+  Output: sentence - the mistake; unchanged if there is none
 */
-void OptionsPairCheck(OptionsPlace *place, const char option[], const char value[], char sentence[],
-                      size_t length)
+void OptionsPairCheck(const OptionsPlace *place, const char option[], const char value[],
+                      char sentence[], size_t length)
 {
   const char *const source = place->source;
 
-  place->prefixes += Prefix(option);
-  if (place->prefixes < 0)
-    (void)snprintf(sentence, length, "%s%s: there is no -prefix_push before it", source, option);
-  else if (Prefix(option) > 0 && !value)
-    (void)snprintf(sentence, length, "%s%s: a prefix is required", source, option);
+  if (!strcasecmp(option, "-options_file_yaml"))
+    (void)snprintf(sentence, length, "%s%s: " OPTIONS_NO_YAML, source, option);
+  else if (!strncasecmp(option, "-prefix_p", 9))
+    (void)snprintf(sentence, length, "%s%s: there are no prefixes; write whole names", source,
+                   option);
   else if (OptionNamesFile(option) && !value)
     (void)snprintf(sentence, length, "%s%s: a file name is required", source, option);
   else if (OptionNamesFile(option)) CheckFile(option, value, place->depth, sentence, length);
   else CheckValue(source, option, value, sentence, length);
-}
-
-/* Checks the files that a YAML text includes, and changes their tags: PETSc cannot include files
-   before PetscInitialize(). */
-static void CheckIncluded(char text[], int depth, char sentence[], size_t length)
-{
-  static const char include[] = "!include", ignored[] = "!ignored";
-
-  for (char *tag = strstr(text, include); tag; tag = strstr(tag, include)) {
-    char path[PETSC_MAX_PATH_LEN];
-
-    (void)memcpy(tag, ignored, strlen(ignored));
-    tag += strlen(ignored);
-    tag += strspn(tag, " \t\"'");
-    (void)snprintf(path, sizeof(path), "%.*s", (int)strcspn(tag, " \t\r\n\"',}"), tag);
-    CheckFile(include, path, depth + 1, sentence, length);
-  }
-}
-
-/* Checks a YAML text at a depth of inclusion. */
-static void CheckYaml(const char name[], char text[], int depth, char sentence[], size_t length)
-{
-  PetscOptions scratch;
-
-  CheckIncluded(text, depth, sentence, length);
-  if (sentence[0] || PetscOptionsCreate(&scratch)) return;
-  if (PetscOptionsInsertStringYAML(scratch, text))
-    (void)snprintf(sentence, length,
-                   "%s: PETSc cannot read it as YAML; each line is 'name: value', names without a "
-                   "dash",
-                   name);
-  (void)PetscOptionsDestroy(&scratch);
-}
-
-/*
-  OptionsYamlCheck - Checks that PETSc can read a text as YAML, into a database of its own
-
-  Not collective; to be called before PetscInitialize(), when PETSc prints no errors.
-
-  Input: name - source of the text. Output: sentence - the first mistake; unchanged if there is none
-*/
-void OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length)
-{
-  char *copy = strdup(text);
-
-  if (copy) CheckYaml(name, copy, 0, sentence, length);
-  free(copy);
 }
 
 /* Checks that a line of a number of bytes has no bytes that no editor shows. */
@@ -208,18 +157,14 @@ static void CheckBytes(const OptionsPlace *place, const char line[], size_t byte
 }
 
 /* Checks a line of a file. */
-static void CheckLine(OptionsPlace *place, char line[], char sentence[], size_t length)
+static void CheckLine(const OptionsPlace *place, char line[], char sentence[], size_t length)
 {
   const char *const source            = place->source;
   char             *token[MAX_TOKENS] = {NULL};
   const int         n                 = Split(line, token);
 
   if (!n) return;
-  if (!strcasecmp(token[0], "alias")) {
-    if (n != 3 || !OptionBegins(token[1]) || !OptionBegins(token[2]))
-      (void)snprintf(sentence, length, "%salias: two options are required, the new name first",
-                     source);
-  } else if (token[0][0] != '-') {
+  if (token[0][0] != '-') {
     (void)snprintf(
         sentence, length,
         "%s%s: a stray word; options begin with a dash, and a value stands in the line of its "
@@ -257,113 +202,28 @@ static void CheckLines(const char path[], FILE *file, int depth, char sentence[]
   free(line);
 }
 
-/* Copies the folder of PETSc. */
-static PetscErrorCode GetFolder(char value[], size_t length)
-{
-  const char *folder;
-
-  if (PetscGetPetscDir(&folder)) return PETSC_ERR_LIB;
-  return PetscStrncpy(value, folder, length);
-}
-
-/* Copies the folder of PETSc's library, which the environment may change. */
-static PetscErrorCode GetLibraryFolder(char value[], size_t length)
-{
-  const char *given = getenv("PETSC_LIB_DIR");
-
-  return PetscStrncpy(value, given ? given : PETSC_LIB_DIR, length);
-}
-
-/* Names that PETSc itself replaces, as PetscStrreplace() does, which needs PetscInitialize(). */
-static const struct {
-  const char *name;
-  PetscErrorCode (*Get)(char value[], size_t length);
-} own_names[] = {
-    {"PETSC_ARCH", PetscGetArchType},         {"PETSC_DIR", GetFolder},
-    {"PETSC_LIB_DIR", GetLibraryFolder},      {"DISPLAY", PetscGetDisplay},
-    {"HOMEDIRECTORY", PetscGetHomeDirectory}, {"WORKINGDIRECTORY", PetscGetWorkingDirectory},
-    {"USERNAME", PetscGetUserName},           {"HOSTNAME", PetscGetHostName},
-};
-
-/* Copies the value of a name: PETSc's own, or an environment variable. Returns false if it has
-   none. */
-static PetscBool FindValue(const char name[], char value[], size_t length)
-{
-  const char *given = getenv(name);
-
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(own_names); k++) {
-    if (!strcmp(name, own_names[k].name))
-      return own_names[k].Get(value, length) ? PETSC_FALSE : PETSC_TRUE;
-  }
-  (void)snprintf(value, length, "%s", given ? given : "");
-  return given ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Replaces ${NAME} in the name of a file by its value, as PETSc does. Returns false if there is a
-   mistake. */
-static PetscBool Substitute(const char option[], const char name[], char path[PETSC_MAX_PATH_LEN],
-                            char sentence[], size_t length)
-{
-  (void)snprintf(path, PETSC_MAX_PATH_LEN, "%s", name);
-  for (char *open = strstr(path, "${"); open; open = strstr(path, "${")) {
-    char     *close = strchr(open, '}'), value[PETSC_MAX_PATH_LEN], rest[PETSC_MAX_PATH_LEN];
-    PetscBool found = PETSC_FALSE;
-
-    if (close) *close = '\0';
-    if (close) found = FindValue(open + 2, value, sizeof(value));
-    if (!found || strstr(value, "${")) {
-      (void)snprintf(sentence, length,
-                     "%s %s: ${NAME} stands for an environment variable, which must be set", option,
-                     name);
-      return PETSC_FALSE;
-    }
-    (void)snprintf(rest, sizeof(rest), "%s", close + 1);
-    (void)snprintf(open, PETSC_MAX_PATH_LEN - (size_t)(open - path), "%s%s", value, rest);
-  }
-  return PETSC_TRUE;
-}
-
 /* Checks a file at a depth of inclusion; option NULL: PETSc reads the file only if it exists. */
-static void CheckFile(const char option[], const char name[], int depth, char sentence[],
+static void CheckFile(const char option[], const char path[], int depth, char sentence[],
                       size_t length)
 {
-  size_t      n;
-  PetscBool   yaml;
   struct stat status;
   FILE       *file;
-  char       *text = NULL, path[PETSC_MAX_PATH_LEN];
-  size_t      room = 0;
+  const char *fault = NULL;
 
-  if (sentence[0] || (!option && strstr(name, "${"))) return;
-  if (!Substitute(option, name, path, sentence, length)) return;
-  n    = strlen(path);
-  yaml = n > 5 && !strcmp(path + n - 5, ":yaml");
-  if (yaml) path[n - 5] = '\0';
-  if (depth > MAX_DEPTH) {
-    (void)snprintf(sentence, length,
-                   "%s %s: files are included more than %d deep; does one include itself?", option,
-                   path, MAX_DEPTH);
-    return;
-  }
-  if (!stat(path, &status) && !S_ISREG(status.st_mode)) { /* PETSc could not read a pipe again */
-    if (option)
-      (void)snprintf(sentence, length, "%s %s: %s", option, path,
-                     S_ISDIR(status.st_mode) ? strerror(EISDIR) : "it is no regular file");
-    return;
-  }
-  file = fopen(path, "r");
-  if (!file) {
-    if (option) (void)snprintf(sentence, length, "%s %s: %s", option, path, strerror(errno));
-    return;
-  }
-  if (option && strcasecmp(option, "-options_file")) yaml = PETSC_TRUE;
-  if (yaml || IsYaml(path, file)) {
-    if (getdelim(&text, &room, '\0', file) > 0) CheckYaml(path, text, depth, sentence, length);
-    free(text);
-  } else {
-    CheckLines(path, file, depth, sentence, length);
-  }
-  (void)fclose(file);
+  if (sentence[0] || (!option && strstr(path, "${"))) return;
+  if (strstr(path, "${")) fault = "${NAME} is not replaced by a value; type the path";
+  else if (IsYaml(path, NULL)) fault = OPTIONS_NO_YAML;
+  else if (depth > MAX_DEPTH) fault = DEEP;
+  else if (!stat(path, &status) && !S_ISREG(status.st_mode)) /* PETSc could not read a pipe again */
+    fault = S_ISDIR(status.st_mode) ? strerror(EISDIR) : "it is no regular file";
+  file = fault ? NULL : fopen(path, "r");
+  if (!fault && !file) fault = strerror(errno);
+  if (file && IsYaml(path, file)) fault = OPTIONS_NO_YAML;
+  if (fault && (option || file))
+    (void)snprintf(sentence, length, "%s%s%s: %s", option ? option : "", option ? " " : "", path,
+                   fault);
+  if (file && !fault) CheckLines(path, file, depth, sentence, length);
+  if (file) (void)fclose(file);
 }
 
 /*

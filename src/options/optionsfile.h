@@ -1,4 +1,4 @@
-/* Words and files of options as PETSc reads them; see optionsfile.c. */
+/* Words and files of options; see optionsfile.c. */
 #ifndef ISPH_OPTIONS_OPTIONSFILE_H
 #define ISPH_OPTIONS_OPTIONSFILE_H
 
@@ -8,15 +8,14 @@
 typedef struct {
   char source[PETSC_MAX_PATH_LEN + 32]; /* beginning of sentences, "file, line 3: " */
   int  depth;                           /* files that include one another down to this place */
-  int  prefixes;                        /* -prefix_push without -prefix_pop before this place */
 } OptionsPlace;
+#define OPTIONS_NO_YAML "YAML is not read; write each option with its value in a line, as -n 16"
 
 PetscBool OptionBegins(const char word[]);
 PetscBool OptionNamesFile(const char option[]);
-void OptionsPairCheck(OptionsPlace *place, const char option[], const char value[], char sentence[],
-                      size_t length);
-char *OptionsNextWord(char **text);
-void  OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length);
-void  OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length);
+void      OptionsPairCheck(const OptionsPlace *place, const char option[], const char value[],
+                           char sentence[], size_t length);
+char     *OptionsNextWord(char **text);
+void      OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length);
 
 #endif

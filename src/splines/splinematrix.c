@@ -2,7 +2,7 @@
   The matrix of the pressure increment on splines, A = -scale^2 D G: the product of divergence and
   gradient. Moving particles change both in each step, so A is a shell that applies one after the
   other. Fixed particles keep them, so A is computed once; its product with a vector takes about an
-  eighth of the operations. On a lattice most rows repeat, see splinerepeats.c.
+  eighth of the operations.
 */
 #include "splines.h"
 #include "isph/operators.h"
@@ -486,26 +486,16 @@ static PetscErrorCode SplineShell(Splines *s, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesMatrix - Creates the matrix of the pressure increment for the present particles
-
-  Collective. Input: multiplies - the solver needs no entries; then a single rank stores rows of
-  fixed particles that repeat once.
-*/
-PetscErrorCode SplinesMatrix(const Particles *p, PetscBool multiplies, Splines *s)
+/* SplinesMatrix - Creates the matrix of the pressure increment for the present particles;
+   collective */
+PetscErrorCode SplinesMatrix(const Particles *p, Splines *s)
 {
-  PetscMPIInt ranks;
-  SplineRows *rows = NULL;
-
   PetscFunctionBegin;
   if (SceneMoves(s->lattice.scene)) {
     if (!s->A) PetscCall(SplineShell(s, p));
   } else if (s->product != s->assemblies) {
-    PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
     PetscCall(MatDestroy(&s->A));
-    if (multiplies && ranks == 1 && !s->cut[0]) PetscCall(SplineRowsCompute(s, p, &rows));
-    if (rows) PetscCall(SplineRowsShell(p->comm, rows, &s->A));
-    else PetscCall(SplineProduct(s, p));
+    PetscCall(SplineProduct(s, p));
   }
   s->product = s->assemblies;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -239,7 +239,7 @@ struct Splines {
   PetscInt  n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
   Mat (*jump)[2];         /* their jumps over fluid and walls, negative, over the density [m/s] */
   Vec *jumps;             /* coefficients of the jump in each [Pa] */
-  Mat  A; /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+  Mat  A;                 /* -scale^2 D G; a shell for moving particles */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -356,7 +356,7 @@ PetscErrorCode SplinesFree(Splines *s);
 
 /* splinematrix.c */
 PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
-PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
+PetscErrorCode SplinesMatrix(const Particles *particles, Splines *s);
 PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
@@ -387,39 +387,6 @@ PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, con
                                PetscReal *p);
 PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
-
-/* ---- splinerows.c: rows of a matrix that repeat and are stored once, with columns relative to
-   their own numbers ---- */
-
-/* Rows that repeat. */
-typedef struct {
-  PetscInt   n, *of;                   /* rows; the stored row of each */
-  PetscInt  *base;                     /* columns of each are relative to it; NULL: its number */
-  PetscInt   each;                     /* values of an entry */
-  PetscInt   most;                     /* stored rows that the table can hold */
-  PetscInt   stored, row_room, *first; /* first entry of each stored row, and the end of the last */
-  PetscInt   capacity, *offset;        /* column of each entry, less the base */
-  PetscReal *value;
-  PetscInt   size, *table; /* a power of 2; stored row at each place, -1: none */
-} SplineRows;
-
-/* A row in the making. */
-typedef struct {
-  PetscInt  *place; /* of each column among the entries, -1: none */
-  PetscInt   n, capacity, each, *column;
-  PetscReal *value;
-} SplineEntries;
-
-PetscErrorCode SplineRowsCreate(PetscInt n, PetscInt each, SplineRows **rows);
-PetscErrorCode SplineRowsDestroy(SplineRows **rows);
-PetscErrorCode SplineRowsStore(const SplineEntries *row, PetscInt head, PetscInt k, SplineRows *r);
-PetscErrorCode SplineRowsShell(MPI_Comm comm, SplineRows *rows, Mat *A);
-PetscInt       SplineRowsPlace(PetscInt n, const PetscInt number[], const SplineRows *r);
-PetscErrorCode SplineEntriesAdd(PetscInt column, const PetscReal value[], SplineEntries *row);
-void           SplineEntriesClear(SplineEntries *row);
-
-/* splinerepeats.c */
-PetscErrorCode SplineRowsCompute(const Splines *s, const Particles *p, SplineRows **rows);
 
 /* ---- splinesearch.c: particles around the points of quadrature in a cell of the splines ---- */
 

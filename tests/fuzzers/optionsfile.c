@@ -1,9 +1,7 @@
 /*
-  Fuzzer of the checks before PETSc reads options. The first byte chooses an options file, a YAML
-  file, or the words of a command line, a line for each. PETSc must read a file that passes the
-  checks.
+  Fuzzer of the checks before PETSc reads options. The first byte chooses an options file, or the
+  words of a command line, a line for each. PETSc must read a file that passes the checks.
 */
-#define _GNU_SOURCE /* memmem() */
 #include "fuzzer.h"
 #include "options/optionsfile.h"
 #include <stdlib.h>
@@ -19,20 +17,17 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   return 0;
 }
 
-/* Checks a file as the file of an option; lets PETSc read it if there is no mistake and PETSc
-   defines no part of a name in it. */
-static void CheckFile(const char option[], const char path[], PetscBool yaml, PetscBool defines)
+/* Checks an options file; lets PETSc read it if there is no mistake. */
+static void CheckFile(const char path[])
 {
   char         sentence[2 * PETSC_MAX_PATH_LEN] = "";
   PetscOptions options;
 
-  OptionsFileCheck(option, path, sentence, sizeof(sentence));
-  if (sentence[0] || defines) return;
+  OptionsFileCheck("-options_file", path, sentence, sizeof(sentence));
+  if (sentence[0]) return;
   if (PetscOptionsCreate(&options)) abort();
-  FuzzerAssert((yaml ? PetscOptionsInsertFileYAML(PETSC_COMM_SELF, options, path, PETSC_TRUE)
-                     : PetscOptionsInsertFile(PETSC_COMM_SELF, options, path, PETSC_TRUE))
-                   ? PETSC_FALSE
-                   : PETSC_TRUE,
+  FuzzerAssert(PetscOptionsInsertFile(PETSC_COMM_SELF, options, path, PETSC_TRUE) ? PETSC_FALSE
+                                                                                  : PETSC_TRUE,
                "PETSc refuses a file that the checks accept");
   if (PetscOptionsDestroy(&options)) abort();
 }
@@ -57,20 +52,16 @@ static void CheckWords(char text[])
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-  FuzzerInput    input = {data, size};
-  const unsigned kind  = FuzzerByte(&input) % 3;
+  FuzzerInput input = {data, size};
 
-  if (kind == 2) {
+  if (FuzzerByte(&input) % 2) {
     char *text = FuzzerText(&input, 8192);
 
     CheckWords(text);
     free(text);
   } else {
-    const PetscBool defines = memmem(input.next, input.left, "${", 2) ? PETSC_TRUE : PETSC_FALSE;
-
-    FuzzerWrite(kind ? "fuzzed.yaml" : "fuzzed.opts", input.next, input.left);
-    if (kind) CheckFile("-options_file_yaml", "fuzzed.yaml", PETSC_TRUE, defines);
-    else CheckFile("-options_file", "fuzzed.opts", PETSC_FALSE, defines);
+    FuzzerWrite("fuzzed.opts", input.next, input.left);
+    CheckFile("fuzzed.opts");
   }
   return 0;
 }

@@ -81,15 +81,14 @@ def scenes(all_commands):
 
 
 def options_files(source, all_commands):
-    """Returns seeds of options files, YAML files and command lines."""
+    """Returns seeds of options files and command lines."""
     seeds = set()
     for path in glob.glob(os.path.join(source, "options", "*.opts")) + glob.glob(
             os.path.join(source, "tests", "options_files", "*")):
         with open(path, "rb") as file:
-            seeds.add((b"\x01" if re.search(r"\.(ya?ml|json)$", path) else b"\x00") + file.read(4096))
+            seeds.add(b"\x00" + file.read(4096))
     for words in all_commands:
-        seeds.add(b"\x02" + "\n".join(words).encode())
-        seeds.add(b"\x01" + "\n".join(f'{option[1:]}: "{value}"' for option, value in pairs(words)).encode())
+        seeds.add(b"\x01" + "\n".join(words).encode())
     return seeds
 
 
@@ -126,8 +125,8 @@ def main():
     write_words(folder, "shapes", FUNCTIONS + OPERATORS + CONSTANTS + NUMBERS + scene
                 + ["circle,", "box,", "polygon,", "left,right", "bottom,top", "x,y", "\n-scene_", "true", "false"])
     write_words(folder, "optionsfile", names + table_words
-                + ["-prefix_push", "-prefix_pop", "-options_file", "-options_file_yaml", "alias", "!include", "%YAML ",
-                   "---", "\n", '"', "#", "fuzzed.opts", "fuzzed.yaml", ":yaml", "${", "ascii:", ":ascii_xml"])
+                + ["-prefix_push", "-options_file", "-options_file_yaml", "alias", "%YAML ", "---", "\n", '"', "#", "fuzzed.opts",
+                   ":yaml", "${", "ascii:", ":ascii_xml"])
     write_words(folder, "tables", NUMBERS + ["\n", "\r\n", ",", "#", "\n\n"])
     write_words(folder, "checkpoint", [])
 

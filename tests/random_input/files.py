@@ -28,17 +28,6 @@ OPTIONS_TEXT = """# a scene
 -n 8
 -max_steps 1
 """
-YAML_TEXT = """# a scene
-case: scene
-scene_box: [0, 0, 1, 1]
-scene_body_1: circle,0.5,0.5,0.2
-viscosity: 0.1
-ppe:
-  ksp_rtol: 1e-8
-n: 8
-max_steps: 1
-"""
-
 
 def written(isph, folder, options):
     """Runs isph with options; returns the contents of its files."""
@@ -88,19 +77,17 @@ def damaged(rng, data):
 
 
 def file_input(rng, files):
-    kind = rng.choice(("checkpoint", "checkpoint", "particles", "options", "yaml", "petscrc", "csv", "index"))
+    kind = rng.choice(("checkpoint", "checkpoint", "particles", "options", "petscrc", "csv", "index"))
     if kind == "checkpoint":
         return Input(RESTART + ["3"], ["-restart", "c.h5"], {"c.h5": damaged(rng, files["c.h5"])})
     if kind == "particles":
         return Input(RESTART + ["1"], ["-particles", "p.h5"], {"p.h5": damaged(rng, files["s_0001.h5"])})
-    if kind in ("options", "yaml", "petscrc"):
-        text = YAML_TEXT if kind == "yaml" else OPTIONS_TEXT
+    if kind in ("options", "petscrc"):
         while True:
-            data = damaged(rng, text.encode()) if rng.random() < 0.5 else mutated(rng, text).encode()
+            data = damaged(rng, OPTIONS_TEXT.encode()) if rng.random() < 0.5 else mutated(rng, OPTIONS_TEXT).encode()
             if not EXCLUDED.search(data.decode("latin-1")):
                 break
-        name, words = {"options": ("o.opts", ["-options_file", "o.opts"]), "petscrc": (".petscrc", []),
-                       "yaml": ("o.yaml", ["-options_file_yaml", "o.yaml"])}[kind]
+        name, words = {"options": ("o.opts", ["-options_file", "o.opts"]), "petscrc": (".petscrc", [])}[kind]
         return Input(words, ["-n", "8", "-max_steps", "1", "-progress", "none"], {name: data})
     some = {name: files[name] for name in files if name not in ("report.csv", "probe_point.csv", "s.xdmf")}
     other = {name: files[name] for name in files if name not in some}

@@ -184,7 +184,7 @@ static PetscErrorCode GetMatrices(Flow *flow, Pressure *s, PressureMatrices *m)
     *m = (PressureMatrices){A, A, PETSC_FALSE, ops->assemblies, flow->particles->epoch};
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(SplinesMatrix(flow->particles, s->passing, sp));
+  PetscCall(SplinesMatrix(flow->particles, sp));
   if (s->direct) *m = (PressureMatrices){sp->A, sp->A, PETSC_TRUE, sp->assemblies, sp->assemblies};
   else *m = (PressureMatrices){sp->A, sp->K, PETSC_TRUE, sp->assemblies, sp->numbering};
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -153,5 +153,5 @@ const SchemeRow SchemeProjection = {
     .Destroy  = ProjectionDestroy,
     .stages   = stages,
     .judges   = judges,
-    .memory   = {{1.9, 2.8, 2.3, 6.9}, {5.6, 9.2, 5.6, 35.0}},
+    .memory   = {{2.2, 2.8, 2.3, 6.9}, {6.4, 9.2, 5.6, 35.0}},
 };
