@@ -19,7 +19,7 @@ FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_m
          "mls3"]
 COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999", "#CC79A7", "#8C6D31",
                            "#0072B2", "#D55E00"]))  # distinct for colour-blind readers too
-OWN = r"-(?:visc|ppe)_laplacian (?:corrected|direct_difference|mls3)\b"  # forms of studies/forms.c
+OWN = r"-(?:visc|ppe)_laplacian (?:corrected|direct_difference|mls3|fatehi_manzari|lsph)\b"  # forms of studies/forms.c
 WARNING = r"^(?:not (trusted):|(\w+)(?: not kept:| [^,\n]+, should be at most))"  # in the report of a run
 MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 

@@ -77,7 +77,7 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
   PetscCall(PetscOptionsPush(database));
   PetscCall(SceneReadSpacing(scene));
   if (box->moves) scene->motion = (const MotionRow *)TableGet(&MotionTable, 0); /* lagrangian */
-  needs = box->needs ? box->needs : SceneNeeds(scene) | NEED_CONCENTRATION;
+  needs = box->needs ? box->needs : SceneNeeds(scene) | NEED_CONCENTRATION | NEED_GRADIENT_U;
   if (!box->without_matrices) needs |= NEED_MATRICES;
   if (box->grad_p_without_walls) needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
   PetscCall(RegimeCreate(scene, &scene->regime));

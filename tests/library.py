@@ -51,6 +51,9 @@ build("none", "int nothing;\n")
 patch = ["-options_file", f"{source}/options/patch.opts", "-n", "20", "-patch_field", "quadratic"]
 error = run(*patch, "-jitter", "0", "-forms_library", "mps.so", "-visc_laplacian", "mps")["laplacian_linf"]
 assert error < 1e-9, error
+for form, field in ("fatehi_manzari", "quadratic"), ("lsph", "linear"):
+    error = run(*patch[:-1], field, "-jitter", "0.5", "-forms_library", forms, "-visc_laplacian", form)["laplacian_linf"]
+    assert error < 1e-9, (form, error)
 default = run(*CAVITY)["kinetic_energy"]
 for flow in (["-forms_library", "mps.so", "-visc_laplacian", "mps"],
              ["-forms_library", forms, "-visc_laplacian", "mls3", "-ppe_laplacian", "mls3"]):

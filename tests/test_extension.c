@@ -24,7 +24,7 @@ static const struct {
 #define N_CLAIMS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(claims))
 
 /* Forms exact for quadratic fields on any arrangement, then forms exact for linear fields. */
-static const char *const exact[][2] = {{"fatehi_manzari", "mls"}, {"schwaiger", "corrected"}};
+static const char *const exact[][2] = {{"mls", "mls"}, {"schwaiger", "corrected"}};
 
 static const void *Row(const Table *table, const char name[])
 {

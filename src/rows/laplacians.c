@@ -110,46 +110,6 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Lsph - Computes the renormalised meshless Laplacian
-
-    (lap f)_i = 2d sum_j c_j (f_j - f_i) / sum_j c_j r^2,   c_j = V_j W (1 - X.B o),
-    o = sum_j V_j W X,   B = (sum_j V_j W X X^T)^-1
-
-  Properties: exact for linear fields and |x - x_i|^2; error O(1) for other quadratic fields on
-  disordered particles.
-
-  Reference: J. Basic, N. Degiuli, D. Ban, J. Comput. Phys. 354 (2018) 269-287
-*/
-static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
-{
-  const PetscInt d = st->dim;
-  PetscReal      B[ISPH_MAX_DIM * ISPH_MAX_DIM], o[ISPH_MAX_DIM] = {0.0}, Bo[ISPH_MAX_DIM] = {0.0},
-                                            sum = 0.0;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < st->n; k++) {
-    w[k] = st->V[k] * st->W[k];
-    for (PetscInt a = 0; a < d; a++) o[a] += w[k] * st->X[a][k];
-  }
-  if (MomentInverse(st, w, B)) {
-    for (PetscInt a = 0; a < d; a++) {
-      for (PetscInt b = 0; b < d; b++) Bo[a] += B[a * d + b] * o[b];
-    }
-  } else {
-    st->regularised++;
-  }
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal dot = 0.0;
-
-    for (PetscInt a = 0; a < d; a++) dot += st->X[a][k] * Bo[a];
-    w[k] *= 1.0 - dot;
-    sum += w[k] * PetscSqr(st->r[k]);
-  }
-  for (PetscInt k = 0; k < st->n; k++) w[k] *= 2.0 * (PetscReal)d / sum;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
   LaplacianFollowsSlopes - Returns true if the weights of a form follow from the corrected gradients
   of the kernel
 
@@ -194,14 +154,9 @@ static const LaplacianRow laplacians[] = {
     {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", OPPOSITE,
      CORRECTION_SHEPARD, LaplacianRow_DirectScalar, NULL, 0.0, NULL, PETSC_FALSE},
-    {"fatehi_manzari", "exact for quadratics by a matrix per particle",
-     "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", QUADRATIC | FORM_FULL_SUPPORT, 0,
-     LaplacianRow_FatehiManzari, NULL, 0.0, NULL, PETSC_FALSE},
     {"mls", "quadratic moving least squares with boundary conditions in the fit",
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls, NULL, 0.0,
      NULL, PETSC_FALSE},
-    {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
-     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph, NULL, 0.0, NULL, PETSC_FALSE},
     {"stress_mls",
      "div of the stress 2 nu E + nu (div u) I, least squares along pairs; viscosity only",
      "after Cleary & Monaghan, J. Comput. Phys. 148 (1999)",

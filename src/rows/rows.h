@@ -5,7 +5,6 @@
 
 #include "isph/rows.h"
 
-PetscErrorCode            LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 extern const LaplacianRow LaplacianSurface, LaplacianSurfaceStress;
 PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
