@@ -56,8 +56,7 @@ static PetscErrorCode OutputPattern(const Run *run, const OutputName *row,
 }
 
 /* Options of the files that a run reads; it may continue the checkpoint that it restarts from. */
-static const char *const inputs[] = {"-options_file", "-particles",
-                                     "-forms_library", "-restart"};
+static const char *const inputs[] = {"-options_file", "-particles", "-forms_library", "-restart"};
 
 /* A file that an option leads to, in its shortest form, or a pattern of such files. */
 typedef struct {
