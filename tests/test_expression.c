@@ -207,12 +207,63 @@ static void test_not_finite(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
+/* Returns the largest error between x = 0 and 1 of a curve through n values of a function. */
+static PetscReal CurveError(PetscReal (*Function)(PetscReal), PetscInt n)
+{
+  PetscReal t[129], y[129], slope[129], error = 0.0;
+  TimeCurve curve = {.n = n, .t = t, .y = y, .slope = slope};
+
+  for (PetscInt k = 0; k < n; k++) {
+    t[k] = 0.1 * (PetscReal)(k % 2) / (PetscReal)n + (PetscReal)k / (PetscReal)(n - 1);
+    y[k] = Function(t[k]);
+  }
+  assert_null(TimeCurveSet(&curve));
+  for (PetscInt k = 0; k <= 1000; k++)
+    error = PetscMax(error, PetscAbsReal(TimeCurveValue(&curve, 1e-3 * (PetscReal)k) -
+                                         Function(1e-3 * (PetscReal)k)));
+  return error;
+}
+
+static PetscReal Monotone(PetscReal t)
+{
+  return PetscExpReal(-2.0 * t);
+}
+
+static PetscReal Line(PetscReal t)
+{
+  return 3.0 - 2.0 * t;
+}
+
+/* The order that TimeCurveSet() states, lines to rounding, rest before a motion, faults. */
+static void test_curve(void **state)
+{
+  PetscReal t[] = {0.0, 1.0, 2.0, 3.0, 4.0}, y[] = {1.0, 1.0, 2.0, 5.0, 4.0}, slope[5];
+  TimeCurve curve = {.n = 5, .t = t, .y = y, .slope = slope};
+
+  (void)state;
+  assert_true(CurveError(Line, 2) < 1e-14 && CurveError(Line, 17) < 1e-14);
+  assert_true(CurveError(Monotone, 128) < CurveError(Monotone, 32) / 32.0); /* order 2.5 or more */
+  assert_null(TimeCurveSet(&curve));
+  for (PetscInt k = 0; k <= 400; k++) {
+    const PetscReal at = 0.01 * (PetscReal)k, value = TimeCurveValue(&curve, at);
+
+    if (at <= 1.0) assert_true(value == 1.0);
+    assert_true(value <= 5.0);
+  }
+  for (PetscInt k = 1; k < 4; k++) /* a continuous slope */
+    assert_true(PetscAbsReal(TimeCurveValue(&curve, t[k] - 1e-6) - 2.0 * y[k] +
+                             TimeCurveValue(&curve, t[k] + 1e-6)) < 1e-10);
+  t[2] = 1.0;
+  assert_non_null(TimeCurveSet(&curve));
+}
+
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_values),     cmocka_unit_test(test_numbers),
       cmocka_unit_test(test_components), cmocka_unit_test(test_rate),
       cmocka_unit_test(test_refused),    cmocka_unit_test(test_not_finite),
+      cmocka_unit_test(test_curve),
   };
   int failed;
 

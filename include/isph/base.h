@@ -100,5 +100,7 @@ FILE          *FileOpen(const char path[], const char mode[]);
 PetscBool      FileReplace(const char part[], const char path[]);
 PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[]);
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good);
+PetscErrorCode CsvRead(FILE *stream, PetscInt *rows, PetscInt *columns, PetscReal **value,
+                       PetscInt *bad);
 
 #endif

@@ -151,12 +151,23 @@ typedef struct ExpressionScope ExpressionScope;
 
 #define EXPRESSION_MOST (ISPH_MAX_DIM + 1) /* components: velocity and pressure */
 
+/* A function of time through given values, see TimeCurveSet(). */
+typedef struct {
+  PetscInt         n;
+  const PetscReal *t, *y; /* ascending times [s], and the values there */
+  PetscReal       *slope; /* dy/dt there */
+} TimeCurve;
+
+const char *TimeCurveSet(TimeCurve *curve);
+PetscReal   TimeCurveValue(const TimeCurve *curve, PetscReal t);
+
 /* An expression: the components of an option. All members are zero if the option is absent. */
 typedef struct {
   char             option[40];              /* for messages */
   PetscInt         n;                       /* components; 0: not given */
   PetscReal        value[EXPRESSION_MOST];  /* of components that are numbers */
   void            *parser[EXPRESSION_MOST]; /* of other components; NULL for numbers */
+  const TimeCurve *curve[EXPRESSION_MOST];  /* of components from a file; NULL for others */
   unsigned         uses[EXPRESSION_MOST];   /* bits of ExpressionUse */
   ExpressionScope *scope;
 } Expression;

@@ -95,6 +95,8 @@ typedef struct {
   Expression         rotation;   /* of a body about its centre, function of t: about z, or about
                                     three axes in 3D [rad/s] */
   Expression         position;   /* of the centre of a body, function of t; n = 0: not given [m] */
+  Expression         turn;       /* of a body from where it was typed, function of t: an angle times
+                                    a constant axis; n = 0: it follows from rotation [rad] */
   PetscBool          rides;      /* a body that turns with Scene.frame */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
   Freedom            freedom;    /* of a body */
@@ -228,11 +230,12 @@ struct Scene {
   PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
-  PetscReal        surplus;  /* part of the flow through inflows that enters and must not [-] */
-  ExpressionScope *scope;    /* of the expressions below; NULL: all are numbers */
-  Expression       velocity; /* typed: at the start, function of place [m/s] */
-  Expression       exact;    /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
-  Expression       force;    /* typed: replaces body_force, function of place, t [m/s^2] */
+  PetscReal        motion_end; /* last time of motions from files; 0: there are none [s] */
+  PetscReal        surplus;    /* part of the flow through inflows that enters and must not [-] */
+  ExpressionScope *scope;      /* of the expressions below; NULL: all are numbers */
+  Expression       velocity;   /* typed: at the start, function of place [m/s] */
+  Expression       exact;      /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
+  Expression       force;      /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary  *boundary;
   PetscInt   n_bodies, boundary_capacity;
@@ -345,6 +348,7 @@ PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
 PetscBool      SceneHasBoundary(const Scene *scene, unsigned properties);
 void           BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[],
                                PetscReal spin[]);
+void           BodyGivenPose(const Scene *scene, PetscInt side, PetscReal t, Pose *pose);
 void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], PetscReal spin[]);
 const BoundaryRow *SceneSlipKind(const Scene *scene);
 const BoundaryRow *SceneFitKind(const Scene *scene);
@@ -362,6 +366,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
 PetscReal SceneDecayRate(const Scene *scene);
 PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least);
 PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary);
+PetscErrorCode SceneReadMotionFile(Scene *scene, PetscInt k, Boundary *boundary);
 PetscBool      SceneHasFreeBodies(const Scene *scene);
 PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);

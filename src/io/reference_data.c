@@ -1,6 +1,5 @@
 /*
-  Reference data: two columns of numbers in a CSV file. The first rank reads them, and all ranks
-  receive them.
+  Reference data: curves given by two columns of numbers in a CSV file.
 */
 #include "isph/io.h"
 #include <stdlib.h>
@@ -28,72 +27,27 @@ static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReferenceDataAppend(ReferenceData *curve, PetscInt *capacity, PetscReal x,
-                                          PetscReal y)
+/* Takes the first two columns of rows of numbers as points in ascending x. */
+static PetscErrorCode ReferenceDataSort(PetscInt columns, const PetscReal value[],
+                                        ReferenceData *curve)
 {
-  PetscFunctionBegin;
-  if (curve->n == *capacity) {
-    *capacity = 2 * *capacity + 64;
-    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)*capacity, &curve->x));
-    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)*capacity, &curve->y));
-  }
-  curve->x[curve->n] = x;
-  curve->y[curve->n] = y;
-  curve->n++;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Reads '#' comments, a header and lines of numbers. Output: bad - number of the first line without
-  two numbers, or 0. Comments may be longer than the buffer.
-*/
-static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, PetscInt *bad)
-{
-  char      piece[512];
-  PetscBool starts = PETSC_TRUE, header = PETSC_TRUE;
-  PetscInt  line = 0, capacity = 0;
-
-  PetscFunctionBegin;
-  *bad = 0;
-  while (!*bad && fgets(piece, (int)sizeof(piece), stream)) {
-    const PetscBool first = starts;
-    size_t          length;
-    char           *comma, *end;
-    PetscReal       x, y;
-
-    PetscCall(PetscStrlen(piece, &length));
-    starts = length && piece[length - 1] == '\n';
-    if (first) line++;
-    if (!first || piece[0] == '#' || piece[0] == '\n' || piece[0] == '\r') continue;
-    if (header) {
-      header = PETSC_FALSE;
-      continue;
-    }
-    x = (PetscReal)strtod(piece, &comma);
-    y = *comma == ',' ? (PetscReal)strtod(comma + 1, &end) : 0.0;
-    if (comma == piece || *comma != ',' || end == comma + 1) *bad = line;
-    else PetscCall(ReferenceDataAppend(curve, &capacity, x, y));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sorts the points by x. */
-static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
-{
+  PetscReal *x;
   PetscInt  *order;
-  PetscReal *x, *y;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(curve->n, &order, curve->n, &x, curve->n, &y));
-  for (PetscInt k = 0; k < curve->n; k++) order[k] = k;
-  PetscCall(PetscSortRealWithPermutation(curve->n, curve->x, order));
-  PetscCall(PetscArraycpy(x, curve->x, curve->n));
-  PetscCall(PetscArraycpy(y, curve->y, curve->n));
+  PetscCall(PetscMalloc2(curve->n, &order, curve->n, &x));
+  PetscCall(PetscMalloc1(curve->n, &curve->x));
+  PetscCall(PetscMalloc1(curve->n, &curve->y));
+  for (PetscInt k = 0; k < curve->n; k++) {
+    order[k] = k;
+    x[k]     = value[columns * k];
+  }
+  PetscCall(PetscSortRealWithPermutation(curve->n, x, order));
   for (PetscInt k = 0; k < curve->n; k++) {
     curve->x[k] = x[order[k]];
-    curve->y[k] = y[order[k]];
+    curve->y[k] = value[columns * order[k] + 1];
   }
-  PetscCall(PetscFree3(order, x, y));
+  PetscCall(PetscFree2(order, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,8 +57,8 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
   Collective on PETSC_COMM_WORLD
 
   Input Parameter:
-. file - name within the directory of reference data: '#' comments, a header line, then lines of
-         two or more columns, of which the first two are used
+. file - name within the directory of reference data, as of CsvRead(), with two or more columns, of
+         which the first two are used
 
   Input/Output Parameter:
 . report - records that a file is absent, so that a run prints a single warning
@@ -113,49 +67,36 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 . curve - the points in ascending x, the same on all ranks; none if the file is absent; freed by
           ReferenceDataFree()
 
-  Errors: a file that is empty or holds a line without two numbers ends the run
+  Errors: a file that is empty or holds a line with other text, or fewer columns, ends the run
 */
 PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve)
 {
   PetscMPIInt rank;
-  PetscInt    found[3] = {0, 0, 0}; /* opened, points, first bad line */
+  PetscReal  *value;
+  PetscInt    columns, bad;
+  FILE       *stream = NULL;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(curve, sizeof(*curve)));
+  *curve = (ReferenceData){.n = 0};
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
-    FILE *stream;
-
-    PetscCall(ReferenceDataOpen(file, &stream));
-    if (stream) {
-      found[0] = 1;
-      PetscCall(ReferenceDataParse(stream, curve, &found[2]));
-      (void)fclose(stream);
-    }
-    found[1] = curve->n;
-  }
-  PetscCallMPI(MPI_Bcast(found, 3, MPIU_INT, 0, PETSC_COMM_WORLD));
-  if (!found[0]) {
+  if (rank == 0) PetscCall(ReferenceDataOpen(file, &stream));
+  PetscCall(CsvRead(stream, &curve->n, &columns, &value, &bad));
+  if (stream) (void)fclose(stream);
+  if (curve->n < 0) {
     if (!report->data_absent)
       PetscCall(SayLine("%s: reference data not found; set ISPH_DATA to their directory. The "
                         "columns that compare with them stay empty",
                         file));
     report->data_absent = PETSC_TRUE;
+    curve->n            = 0;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCheck(!found[2], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
-             "%s: line %" PetscInt_FMT " of the reference data is not two numbers", file, found[2]);
-  PetscCheck(found[1], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+  PetscCheck(!bad && (columns > 1 || !curve->n), PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "%s: line %" PetscInt_FMT " of the reference data is not two numbers", file, bad);
+  PetscCheck(curve->n, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "%s: the reference data hold no numbers", file);
-  if (rank == 0) {
-    PetscCall(ReferenceDataSort(curve));
-  } else {
-    curve->n = found[1];
-    PetscCall(PetscMalloc(sizeof(PetscReal) * (size_t)curve->n, &curve->x));
-    PetscCall(PetscMalloc(sizeof(PetscReal) * (size_t)curve->n, &curve->y));
-  }
-  PetscCallMPI(MPI_Bcast(curve->x, (PetscMPIInt)curve->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(curve->y, (PetscMPIInt)curve->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCall(ReferenceDataSort(columns, value, curve));
+  PetscCall(PetscFree(value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

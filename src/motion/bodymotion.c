@@ -12,8 +12,6 @@ static const PetscReal gauss[NODES][2] = {
 /* Advances the pose of a body from t over dt. */
 static void Advance(const Scene *scene, PetscInt side, PetscReal t, PetscReal dt, Pose *pose)
 {
-  const Boundary *boundary = &scene->boundary[side];
-
   for (PetscInt k = 0; k < NODES; k++) {
     PetscReal u[ISPH_MAX_DIM], spin[ISPH_MAX_DIM];
 
@@ -24,8 +22,7 @@ static void Advance(const Scene *scene, PetscInt side, PetscReal t, PetscReal dt
     }
     PoseRotate(spin, pose);
   }
-  for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
-    pose->x[a] = ExpressionValue(&boundary->position, a, t + dt, NULL);
+  BodyGivenPose(scene, side, t + dt, pose);
   BodyMotion(scene, side, t + dt, pose->u, pose->spin);
 }
 

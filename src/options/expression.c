@@ -364,6 +364,7 @@ PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const Pe
 {
   ExpressionScope *scope = e->scope;
 
+  if (e->curve[c]) return TimeCurveValue(e->curve[c], t);
   if (!e->parser[c]) return e->value[c];
   for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
   scope->t = t;

@@ -258,7 +258,7 @@ PetscBool SceneIsClosedBox(const Scene *scene)
   BodyGivenMotion - Computes the given velocity of the centre of a body [m/s] and its given angular
   velocity [rad/s] at time t
 
-  Not collective. A given position gives the velocity by ExpressionRate(). A body that rides
+  Not collective. A given position or turn gives its rate by ExpressionRate(). A body that rides
   has the motion of the frame.
 */
 void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[],
@@ -279,8 +279,27 @@ void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u
     if (a < scene->dim)
       u[a] = boundary->position.n ? ExpressionRate(&boundary->position, a, t, NULL, tau)
                                   : ExpressionValue(&boundary->velocity, a, t, NULL);
-    if (axes || a == 2) spin[a] = ExpressionValue(&boundary->rotation, axes ? a : 0, t, NULL);
+    if (boundary->turn.n) spin[a] = ExpressionRate(&boundary->turn, a, t, NULL, tau);
+    else if (axes || a == 2) spin[a] = ExpressionValue(&boundary->rotation, axes ? a : 0, t, NULL);
   }
+}
+
+/* BodyGivenPose - Sets place and attitude of a body to those given for time t; others, which follow
+   from velocities, stay; not collective */
+void BodyGivenPose(const Scene *scene, PetscInt side, PetscReal t, Pose *pose)
+{
+  const Boundary *boundary = &scene->boundary[side];
+  PetscReal       turn[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
+    pose->x[a] = ExpressionValue(&boundary->position, a, t, NULL);
+  if (!boundary->turn.n) return;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    turn[a]           = ExpressionValue(&boundary->turn, a, t, NULL);
+    pose->turn[1 + a] = 0.0;
+  }
+  pose->turn[0] = 1.0;
+  PoseRotate(turn, pose);
 }
 
 /* BodyMotion - Computes the velocity of the centre of a body [m/s] and its angular velocity
@@ -336,11 +355,21 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   for (PetscInt c = 0; c < scene->dim && !BoundaryIsOpen(scene, side, x); c++) u[c] = 0.0;
 }
 
+/* Returns the second derivative of a component by differences over 1e-3 tau. */
+static PetscReal SecondRate(const Expression *e, PetscInt c, PetscReal t, PetscReal tau)
+{
+  const PetscReal h = 1e-3 * tau, at = PetscMax(t, h);
+
+  return (ExpressionValue(e, c, at + h, NULL) - 2.0 * ExpressionValue(e, c, at, NULL) +
+          ExpressionValue(e, c, at - h, NULL)) /
+         PetscSqr(h);
+}
+
 /* Computes the rates of the velocity of a body and of its angular velocity at time t. */
 static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a[], PetscReal dw[])
 {
   const Boundary   *boundary = &scene->boundary[side];
-  const PetscReal   tau = scene->length / scene->speed, h = 1e-3 * tau, at = PetscMax(t, h);
+  const PetscReal   tau      = scene->length / scene->speed;
   const PetscBool   axes     = boundary->rotation.n > 1;
   const Expression *rotation = boundary->rides ? &scene->frame->rate : &boundary->rotation;
 
@@ -350,13 +379,10 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
     if (boundary->free) dw[c] = boundary->body.pose->rate[1][c];
     if (boundary->free) continue;
     dw[c] = axes || c == 2 ? ExpressionRate(rotation, axes ? c : 0, t, NULL, tau) : 0.0;
+    if (boundary->turn.n) dw[c] = SecondRate(&boundary->turn, c, t, tau);
     if (c >= scene->dim) continue;
     a[c] = ExpressionRate(&boundary->velocity, c, t, NULL, tau);
-    if (boundary->position.n)
-      a[c] = (ExpressionValue(&boundary->position, c, at + h, NULL) -
-              2.0 * ExpressionValue(&boundary->position, c, at, NULL) +
-              ExpressionValue(&boundary->position, c, at - h, NULL)) /
-             PetscSqr(h);
+    if (boundary->position.n) a[c] = SecondRate(&boundary->position, c, t, tau);
   }
   for (PetscInt c = 0; c < 2 && boundary->rides; c++) {
     const PetscReal *X = scene->frame->centre, *x = boundary->body.centre;

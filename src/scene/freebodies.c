@@ -1,13 +1,13 @@
 /*
-  Bodies that are free to move: their mass and inertia, the forces on them besides those of the
-  fluid, and the components of their motion that are held. A body is free if its density or its mass
-  is given.
+  Bodies that move as a file says, or are free to move: their mass and inertia, the forces on them
+  besides those of the fluid, and the components of their motion that are held. A body is free if
+  its density or its mass is given.
 */
 #include "isph/scene.h"
 
 #define PIECES 256 /* least number of surface points over the extent of a body, for its moments */
 
-enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD };
+enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD, FROM_FILE };
 static const char *const components[] = {"x", "y", "z", "rotation", NULL};
 
 static const OptionRow options[] = {
@@ -76,8 +76,19 @@ static const OptionRow options[] = {
             .words = components,
             .where = "-case scene, free bodies",
         },
+    [FROM_FILE] =
+        {
+            .name  = "-scene_body_<k>_motion",
+            .kind  = VALUE_FILE,
+            .brief = "CSV file of the motion of a body: rows t,x,y[,degrees] of its centre and its "
+                     "turn from where it was typed; in 3D t,x,y,z[,ax,ay,az,degrees] about one "
+                     "axis; cubics between the rows, with a continuous velocity",
+            .unit  = "s, m, degrees",
+            .where = "-case scene, bodies that are given, particles that move",
+            .file  = FILE_READ,
+        },
 };
-const OptionTable FreeBodyOptions = OPTIONS("Free bodies", options);
+const OptionTable FreeBodyOptions = OPTIONS("Bodies that are free, or follow a file", options);
 
 /*
   Computes volume and second moments about the centre of a body from points r of its surface, with
@@ -268,4 +279,118 @@ PetscBool SceneHasFreeBodies(const Scene *scene)
   for (PetscInt k = 0; k < scene->n_bodies; k++)
     if (scene->boundary[SceneBodySide(scene, k)].free) return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+/* Makes component c of an expression the curve through column `column`, times `factor`, of rows. */
+static PetscErrorCode SetCurve(Scene *scene, PetscInt rows, PetscInt columns,
+                               const PetscReal value[], PetscInt column, PetscReal factor,
+                               Expression *e)
+{
+  TimeCurve  *curve;
+  PetscReal  *number; /* times, values, slopes */
+  const char *fault;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&curve));
+  PetscCall(BodyStoreAdd(curve, &scene->store));
+  PetscCall(PetscMalloc1(3 * rows, &number));
+  PetscCall(BodyStoreAdd(number, &scene->store));
+  for (PetscInt k = 0; k < rows; k++) {
+    number[k]        = value[k * columns];
+    number[rows + k] = factor * value[k * columns + column];
+  }
+  *curve = (TimeCurve){.n = rows, .t = number, .y = number + rows, .slope = number + 2 * rows};
+  fault  = TimeCurveSet(curve);
+  UserCheck(!fault, "%s: %s", e->option, fault);
+  e->curve[e->n]  = curve;
+  e->uses[e->n++] = EXPRESSION_TIME;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the turn about the axis in the three columns before the last, the same in all rows with a
+   turn; in 2D about z. */
+static PetscErrorCode SetTurn(Scene *scene, PetscInt rows, PetscInt columns,
+                              const PetscReal value[], Boundary *boundary)
+{
+  PetscReal axis[ISPH_MAX_DIM] = {0.0, 0.0, 1.0}, length = 1.0;
+  PetscInt  bad = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rows && scene->dim == 3; k++) {
+    for (PetscInt a = 0; a < 3; a++)
+      if (k && value[k * columns + 4 + a] != axis[a] && !bad) bad = k + 1;
+    for (PetscInt a = 0; a < 3; a++) axis[a] = value[4 + a];
+  }
+  UserCheck(!bad,
+            "%s: row %" PetscInt_FMT " has another axis than the first; a file turns a body about "
+            "one axis, by any number of degrees",
+            boundary->position.option, bad);
+  length = PetscSqrtReal(PetscSqr(axis[0]) + PetscSqr(axis[1]) + PetscSqr(axis[2]));
+  UserCheck(length > 0.0, "%s: the axis 0,0,0 has no direction", boundary->position.option);
+  UserCheck((axis[0] == 0.0 && axis[1] == 0.0) || !BodyReachesThrough(&boundary->body, 2),
+            "%s: a %s that reaches through the box stays along z", boundary->position.option,
+            boundary->body.shape->name);
+  for (PetscInt a = 0; a < 3; a++)
+    PetscCall(SetCurve(scene, rows, columns, value, columns - 1,
+                       axis[a] / length * PETSC_PI / 180.0, &boundary->turn));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneReadMotionFile - Reads the motion of body k = 1, 2, ..., whose shape is known, from the file
+  of -scene_body_<k>_motion, if it is given
+
+  Collective. Output: boundary->position and boundary->turn; scene->motion_end - the last time of
+  files [s].
+
+  Errors: a file that cannot be read, has other columns, fewer than 2 rows, times that do not ascend
+  or begin after 0; particles that stay; another option that gives the motion or the place
+*/
+PetscErrorCode SceneReadMotionFile(Scene *scene, PetscInt k, Boundary *boundary)
+{
+  static const char *const others[] = {"velocity", "position", "rotation", "place"};
+  const PetscInt           dim      = scene->dim;
+  char                     name[OPTION_LENGTH], other[OPTION_LENGTH], path[PETSC_MAX_PATH_LEN];
+  PetscInt                 rows, columns, bad;
+  PetscReal               *value;
+  PetscMPIInt              rank;
+  OptionRow                row;
+  FILE                    *stream = NULL;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[FROM_FILE], k, name, &row);
+  PetscCall(OptionGetFile(&row, path));
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(others); i++) {
+    (void)snprintf(other, sizeof(other), "-scene_body_%" PetscInt_FMT "_%s", k, others[i]);
+    PetscCall(OptionsRefuseTogether(name, other, "the file has place and motion of the body"));
+  }
+  UserCheck(SceneMoves(scene),
+            "%s: particles stay where they are, and bodies with them; use -motion lagrangian and "
+            "convection",
+            name);
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) stream = fopen(path, "r");
+  PetscCall(CsvRead(stream, &rows, &columns, &value, &bad));
+  if (stream) (void)fclose(stream);
+  UserCheck(rows >= 0, "%s %s: the file cannot be read", name, path);
+  UserCheck(!bad, "%s %s: line %" PetscInt_FMT " has other columns, or is not numbers", name, path,
+            bad);
+  UserCheck(rows > 1 && (columns == dim + 1 || columns == (dim == 2 ? 4 : 8)),
+            "%s %s: it has %" PetscInt_FMT " rows of %" PetscInt_FMT
+            " numbers; two or more rows of "
+            "%s are required",
+            name, path, rows, columns, dim == 2 ? "t,x,y[,degrees]" : "t,x,y,z[,ax,ay,az,degrees]");
+  UserCheck(value[0] <= 0.0, "%s %s: its first time is %.6g s; that of the start, 0, is required",
+            name, path, (double)value[0]);
+  PetscCall(PetscStrncpy(boundary->position.option, name, sizeof(boundary->position.option)));
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(SetCurve(scene, rows, columns, value, 1 + a, 1.0, &boundary->position));
+  boundary->turn = (Expression){.n = 0};
+  PetscCall(PetscStrncpy(boundary->turn.option, name, sizeof(boundary->turn.option)));
+  if (columns > dim + 1) PetscCall(SetTurn(scene, rows, columns, value, boundary));
+  if (!scene->motion_end || value[(rows - 1) * columns] < scene->motion_end)
+    scene->motion_end = value[(rows - 1) * columns];
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

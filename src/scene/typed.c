@@ -246,6 +246,7 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
   OptionNumber(&options[BODY_ROTATION], k, name, &row);
   PetscCall(ExpressionGet(scene->scope, &row, 1, axes, EXPRESSION_TIME, &boundary->rotation, NULL));
   UserCheck(boundary->rotation.n != 2, "%s: one rate about z, or three about x, y, z", name);
+  PetscCall(SceneReadMotionFile(scene, k, boundary));
   if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->position, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
@@ -304,8 +305,7 @@ static PetscErrorCode CreatePoses(Scene *scene)
     if (boundary->body.pose) scene->pose[k] = *boundary->body.pose; /* that of its place */
     else PoseStart(&boundary->body, &scene->pose[k]);
     boundary->body.pose = &scene->pose[k];
-    for (PetscInt a = 0; boundary->position.n && a < scene->dim; a++)
-      scene->pose[k].x[a] = ExpressionValue(&boundary->position, a, 0.0, NULL);
+    BodyGivenPose(scene, SceneBodySide(scene, k), 0.0, &scene->pose[k]);
     BodyGivenMotion(scene, SceneBodySide(scene, k), 0.0, scene->pose[k].u, scene->pose[k].spin);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

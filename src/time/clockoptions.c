@@ -263,6 +263,10 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "each gives the time step"));
   PetscCall(OptionsRefuseTogether("-dt", "-dt_max", "-dt gives the time step"));
   PetscCall(OptionGetReal(&options[T_END], &c->t_end, NULL));
+  UserCheck(!scene->motion_end || c->t_end <= scene->motion_end,
+            "-t_end %.6g: a file of -scene_body_<k>_motion ends at %.6g s; end the run there, or "
+            "add rows",
+            (double)c->t_end, (double)scene->motion_end);
   PetscCall(OptionGetReal(&options[DT], &c->dt_given, NULL));
   c->cfl = RegimeValue(scene->regime, REGIME_COURANT);
   PetscCall(OptionGetReal(&options[CFL], &c->cfl, NULL));
