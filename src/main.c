@@ -1,6 +1,7 @@
 /* The program: answers a request that needs no run, or else creates a scene and solves it. */
 #include "isph/cases.h"
 #include "isph/catalogue.h"
+#include "isph/io.h"
 #include "isph/patch.h"
 #include "isph/run.h"
 
@@ -26,10 +27,14 @@ static PetscErrorCode ViewLog(void)
 
 static PetscErrorCode Solve(void)
 {
-  Scene *scene;
+  PetscBool viewed;
+  Scene    *scene;
 
   PetscFunctionBegin;
   PetscCall(SceneCreate(&CaseOption, &scene));
+  PetscCall(SceneView(scene, &viewed));
+  if (viewed) PetscCall(SceneDestroy(&scene));
+  if (viewed) PetscFunctionReturn(PETSC_SUCCESS);
   if (scene->problem->patch) PetscCall(PatchRun(scene));
   else PetscCall(FlowRun(scene));
   PetscCall(SceneDestroy(&scene));

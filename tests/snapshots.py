@@ -3,14 +3,17 @@
 
     snapshots.py times COMMAND...      tests the times of snapshots
     snapshots.py fields COMMAND...     tests fields of steady Couette flow, and attributes; needs h5py
+    snapshots.py surfaces COMMAND...   tests the surfaces of a body that moves, and those of -scene_view
     snapshots.py vtk COMMAND...        tests the arrays that VTK reads; needs VTK's Python modules
 
 COMMAND starts the program, on some ranks. The status is 77 if a Python module is missing."""
 import glob
+import math
 import os
 import re
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 from interpreter import python_with
 
@@ -95,6 +98,36 @@ def fields():
     run("-case", "cavity", "-n", "130", "-max_steps", "0", "-particles", "small_0000.h5")
 
 
+def read_surfaces(path):
+    """Returns the time, the names and {name: ends of its segments} of a file of surfaces in the plane."""
+    root = ElementTree.parse(path).getroot()
+    number = {array.get("Name"): array.text.split() for array in root.iter() if array.tag in ("Array", "DataArray")}
+    names = bytes(map(int, number["boundary_names"])).decode().split("\0")[:-1]
+    x = list(map(float, number["points"]))
+    segments = {name: [] for name in names}
+    for k, boundary in enumerate(number["boundary"]):
+        segments[names[int(boundary)]].append((x[6 * k:6 * k + 2], x[6 * k + 3:6 * k + 5]))
+    return float(number["TimeValue"][0]), segments
+
+
+def surfaces():
+    """Corners of a box that moves and turns are where its motion puts them; lengths of surfaces are right."""
+    box = "-case", "scene", "-n", "20", "-scene_body_1", "box,0.4,0.35,0.6,0.65"
+    run(*box, "-scene_view", "view.vtp")
+    run(*box, "-scene_body_1_velocity", "0.2,0", "-scene_body_1_rotation", "1", "-viscosity", "1", "-t_end", "0.2",
+        "-output", "m.h5")
+    for path, t in ("view.vtp", 0), ("m_0000.vtp", 0), ("m_0001.vtp", 0.2):
+        time, segments = read_surfaces(path)
+        assert time == t and list(segments) == ["left", "right", "bottom", "top", "body_1"], (time, list(segments))
+        length = {name: sum(math.dist(a, b) for a, b in pairs) for name, pairs in segments.items()}
+        for name, wanted in ("left", 1), ("top", 1), ("body_1", 1):
+            assert abs(length[name] - wanted) < 1e-6, (path, length)
+        ends = [end for pair in segments["body_1"] for end in pair]
+        for x, y in ((0.1, 0.15), (-0.1, 0.15), (-0.1, -0.15), (0.1, -0.15)):
+            corner = (0.5 + 0.2 * t + x * math.cos(t) - y * math.sin(t), 0.5 + x * math.sin(t) + y * math.cos(t))
+            assert min(math.dist(corner, end) for end in ends) < 1e-6, (path, corner)
+
+
 def vtk():
     """VTK reads each file as points with all fields; the index has the times."""
     python_with("vtkmodules.vtkIOHDF")
@@ -123,4 +156,4 @@ def vtk():
             assert arrays["velocity"].GetRange(0)[1] == 1  # the lid
 
 
-{"times": times, "fields": fields, "vtk": vtk}[sys.argv[1]]()
+{"times": times, "fields": fields, "surfaces": surfaces, "vtk": vtk}[sys.argv[1]]()

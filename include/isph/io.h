@@ -133,6 +133,9 @@ PetscInt                MonitorsCount(const Monitors *monitors);
 void                    MonitorsGet(const Monitors *monitors, PetscReal values[]);
 PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
+/* Surfaces of boundaries for ParaView, option -scene_view. */
+PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed);
+
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
 
 extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,

@@ -7,7 +7,7 @@
 #include "isph/options.h"
 #include <unistd.h>
 
-enum { OUTPUT, OUTPUT_EVERY, OUTPUT_COMPRESSION };
+enum { OUTPUT, OUTPUT_EVERY, OUTPUT_COMPRESSION, SCENE_VIEW };
 static const OptionRow options[] = {
     [OUTPUT] =
         {
@@ -37,6 +37,15 @@ static const OptionRow options[] = {
             .low      = 0,
             .high     = 9,
             .where    = "flows",
+        },
+    [SCENE_VIEW] =
+        {
+            .name  = "-scene_view",
+            .kind  = VALUE_FILE,
+            .brief = "writes the sides of the box and the bodies at t = 0 to a file for ParaView, "
+                     "scene.vtp, and computes nothing",
+            .where = "flows",
+            .file  = FILE_WRITTEN,
         },
 };
 const OptionTable SnapshotOptions = OPTIONS("Snapshots", options);
@@ -223,6 +232,11 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
     s->capacity = 2 * s->capacity + 16;
     PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)s->capacity, &s->done));
   }
+  if (rank == 0 && (flow->scene->pose || flow->scene->frame)) {
+    PetscCall(PetscSNPrintf(part, sizeof(part), "%s_%04d.vtp", s->base, (int)number));
+    PetscCall(SurfaceFileWrite(flow->scene, flow->clock->t, part, &good));
+  }
+  PetscCall(SnapshotsVerdict(s, part, good));
   s->done[s->n].number = number;
   s->done[s->n].t      = flow->clock->t;
   s->done[s->n].N      = file.N;
@@ -303,5 +317,42 @@ PetscErrorCode SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal ro
     if (there) snapshots->done[snapshots->n++] = snapshot;
   }
   snapshots->step = snapshots->n ? step : -1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneView - Writes the boundaries of a scene at t = 0 if -scene_view asks for them
+
+  Collective on PETSC_COMM_WORLD. Output: viewed - true if so: the program then ends.
+
+  Errors: a name that does not end in .vtp, a file that cannot be written
+*/
+PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed)
+{
+  char        path[PETSC_MAX_PATH_LEN];
+  PetscBool   good = PETSC_TRUE;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetFile(&options[SCENE_VIEW], path));
+  *viewed = path[0] ? PETSC_TRUE : PETSC_FALSE;
+  if (!*viewed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrendswith(path, ".vtp", &good));
+  UserCheck(good, "-scene_view %s: the name must end in .vtp", path);
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) PetscCall(SurfaceFileWrite(scene, 0.0, path, &good));
+  PetscCall(FirstRankDecides(&good));
+  UserCheck(good, "-scene_view %s: the file cannot be written, or the disk is full", path);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                        "%s: the boundaries of the scene at t = 0; nothing is "
+                        "computed\n",
+                        path));
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    char name[WALL_NAME];
+
+    SceneWallName(scene, side, name);
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %2d %-10s %s\n", (int)side, name,
+                          scene->boundary[side].kind->name));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

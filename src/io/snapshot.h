@@ -35,6 +35,8 @@ PetscInt       SnapshotColumns(const Flow *flow, const SnapshotField *field);
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file);
 size_t         SnapshotBytes(const Flow *flow);
 
+PetscErrorCode SurfaceFileWrite(const Scene *scene, PetscReal t, const char path[],
+                                PetscBool *good);
 PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file);
 PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good);

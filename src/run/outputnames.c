@@ -16,9 +16,13 @@ typedef struct {
 } OutputName;
 
 static const OutputName names[] = {
-    {"-checkpoint", ""},  {"-checkpoint", ".part"},
-    {"-report", ""},      {"-output", "_[0-9][0-9][0-9][0-9]*.h5"},
-    {"-output", ".xdmf"}, {"-probe_output", "_*.csv"},
+    {"-checkpoint", ""},
+    {"-checkpoint", ".part"},
+    {"-report", ""},
+    {"-output", "_[0-9][0-9][0-9][0-9]*.h5"},
+    {"-output", ".xdmf"},
+    {"-output", "_[0-9][0-9][0-9][0-9]*.vtp"},
+    {"-probe_output", "_*.csv"},
 };
 
 /* Writes the path of an existing folder and a name in its shortest form, without links. */
