@@ -56,7 +56,7 @@ def read_command(text):
     while words and (words[0] == "stdout" or words[0].startswith("np=")):
         word = words.pop(0)
         ranks, stdout = (ranks, True) if word == "stdout" else (int(word[3:]), stdout)
-    return Command(ranks, stdout, [os.path.join(ROOT, w) if w.startswith(("options/", "tests/")) else w for w in words])
+    return Command(ranks, stdout, [re.sub(r"^(file,)?(?=(options|tests)/)", rf"\1{ROOT}/", w) for w in words])
 
 
 def launched(isph, ranks):

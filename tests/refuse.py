@@ -71,8 +71,9 @@ def main():
     starter = Starter(program)
     for name, words, expected in lines(path, test):
         for k, word in enumerate(words):
-            if re.match("[^/-].*/", word) and os.path.exists(os.path.join(source, word)):
-                words[k] = os.path.join(source, word)
+            file = re.match("(file,)?([^/,-][^,]*/[^,]*)", word)
+            if file and os.path.exists(os.path.join(source, file[2])):
+                words[k] = word.replace(file[2], os.path.join(source, file[2]), 1)
         os.mkdir(name)
         status, *texts = starter.run(words, name, seconds=SECONDS) if alone else execute(command, words, name)
         out, err = (text.decode(errors="replace") for text in texts)

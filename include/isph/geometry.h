@@ -29,8 +29,9 @@ typedef struct {
 } Pose;
 
 /* Solid bodies; with `around` the fluid is inside, and the solid surrounds it. */
-typedef struct Body     Body;
-typedef struct ShapeRow ShapeRow;
+typedef struct Body        Body;
+typedef struct BodyMoments BodyMoments;
+typedef struct ShapeRow    ShapeRow;
 struct ShapeRow {
   const char     *name, *brief, *citation;
   PetscInt        fewest, most;   /* allowed numbers of parameters; most = 0: any number */
@@ -51,8 +52,8 @@ struct ShapeRow {
   PetscInt (*Count)(const Body *body, PetscReal dx); /* points on the surface */
   PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
                      PetscReal normal[]); /* returns the length, or area, of its surface part */
+  void (*Moments)(const Body *body, BodyMoments *moments); /* NULL: from points */
 };
-extern const Table ShapeTable, SolidTable; /* of the plane, and of space */
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
@@ -68,11 +69,11 @@ struct Body {
 };
 
 /* Moments of a body as it was typed; per length for solids that reach through the box. */
-typedef struct {
+struct BodyMoments {
   PetscReal volume, error;                      /* area in 2D [m^dim]; relative error of it */
   PetscReal centroid[ISPH_MAX_DIM];             /* [m] */
   PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* int x_i x_j dV about it [m^(dim+2)] */
-} BodyMoments;
+};
 
 void           BodyFindMoments(const Body *body, BodyMoments *moments);
 PetscInt       BodyLoops(const Body *body);

@@ -6,7 +6,7 @@
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
-#include "isph/geometry.h"
+#include "isph/mesh.h"
 #include "isph/regime.h"
 
 typedef struct Scene  Scene;

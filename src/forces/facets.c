@@ -123,13 +123,14 @@ static PetscBool IsBuried(const Scene *scene, PetscInt side, const PetscReal x[]
   if (side >= 0 && SceneIsBuried(scene, side, x)) return PETSC_TRUE;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     if (SceneBodySide(scene, k) == side) continue;
-    if (BodyDistance(scene, SceneBody(scene, k), x, normal) < 0.0) return PETSC_TRUE;
+    if (BodyDistanceWithin(scene, SceneBody(scene, k), x, 0.0, normal) < 0.0) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-/* Returns the distance of x from the nearest boundary other than `side` [m]. */
-static PetscReal DistanceOfOthers(const Scene *scene, PetscInt side, const PetscReal x[])
+/* Returns true if x is within a distance of a boundary other than `side`. */
+static PetscBool IsNearOthers(const Scene *scene, PetscInt side, const PetscReal x[],
+                              PetscReal most)
 {
   PetscReal least = PETSC_INFINITY, normal[ISPH_MAX_DIM];
 
@@ -137,10 +138,11 @@ static PetscReal DistanceOfOthers(const Scene *scene, PetscInt side, const Petsc
     const Body *body = BoundaryBody(scene, s);
 
     if (s == side) continue;
-    if (body) least = PetscMin(least, PetscAbsReal(BodyDistance(scene, body, x, normal)));
+    if (body)
+      least = PetscMin(least, PetscAbsReal(BodyDistanceWithin(scene, body, x, most, normal)));
     else least = PetscMin(least, PetscAbsReal(SceneSideDistance(scene, s, x)));
   }
-  return least;
+  return least <= most;
 }
 
 /* Reduces facets of a boundary, of a section if side is negative, to their parts that are not
@@ -158,7 +160,7 @@ static PetscErrorCode KeepUnburied(const Scene *scene, PetscInt side, Facets *f)
   for (PetscInt k = 0; k < f->n; k++) {
     const PetscReal size = dim == 2 ? f->area[k] : 2.0 * PetscSqrtReal(f->area[k]);
 
-    if (DistanceOfOthers(scene, side, &f->x[k * dim]) > size) {
+    if (!IsNearOthers(scene, side, &f->x[k * dim], size)) {
       if (!IsBuried(scene, side, &f->x[k * dim])) FacetsCopy(k, kept++, f);
       continue;
     }

@@ -218,6 +218,10 @@ void BodyFindMoments(const Body *body, BodyMoments *moments)
   const PetscReal h   = body->extent / POINTS;
   PetscReal       coarse[10], fine[10], length = 1.0;
 
+  if (body->shape->Moments) {
+    body->shape->Moments(body, moments);
+    return;
+  }
   *moments = (BodyMoments){.volume = 0.0};
   Sum(body, dim, body->centre, h, coarse);
   Sum(body, dim, body->centre, 0.5 * h, fine);

@@ -54,7 +54,7 @@ struct SurfacePoints {
 };
 
 /* A solid with an axis of its own, and a meridian (r, z) about it without the axis; or a
-   compound. */
+   compound, or a surface from a file. */
 typedef struct {
   void (*Fill)(const Body *body, SurfacePoints *points);
   SurfacePoints *points;
@@ -62,6 +62,7 @@ typedef struct {
   PetscInt       n;
   Curve          meridian[3];
   Border         border; /* parts of a compound */
+  void          *mesh;   /* of a file */
 } Solid;
 
 const char *SolidCreate(void (*Fill)(const Body *body, SurfacePoints *points), Body *body);

@@ -223,7 +223,7 @@ const ShapeRow ShapeCircle = {
     .Point    = CirclePoint,
 };
 
-static const ShapeRow box = {
+const ShapeRow ShapeBox = {
     .name     = "box",
     .brief    = "x0,y0,x1,y1: two opposite corners",
     .citation = "",
@@ -249,7 +249,3 @@ const ShapeRow ShapePolygon = {
     .Count    = PolygonCount,
     .Point    = PolygonPoint,
 };
-
-static const ShapeRow *const shapes[] = {&ShapeCircle, &box, &ShapePolygon, &ShapeEllipse,
-                                         &ShapeCapsule};
-const Table ShapeTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 2D", shapes);

@@ -4,8 +4,9 @@
 
 #include "isph/geometry.h"
 
-extern const ShapeRow ShapeCircle, ShapePolygon;               /* shapes.c */
-extern const ShapeRow ShapeBall, ShapeCylinder, ShapeRevolved; /* solids.c */
+extern const ShapeRow ShapeCircle, ShapeBox, ShapePolygon; /* shapes.c */
+extern const ShapeRow ShapeBall, ShapeCuboid, ShapeCylinder, ShapePrism,
+    ShapeRevolved; /* solids.c */
 extern const ShapeRow ShapeEllipse, ShapeCapsule, ShapeEllipsoid, ShapeRounded,
     ShapeCone; /* ovals.c */
 

@@ -340,7 +340,7 @@ const ShapeRow ShapeBall = {
     .Point    = BallPoint,
 };
 
-static const ShapeRow box = {
+const ShapeRow ShapeCuboid = {
     .name     = "box",
     .brief    = "x0,y0,z0,x1,y1,z1: two opposite corners",
     .citation = "",
@@ -370,7 +370,7 @@ const ShapeRow ShapeCylinder = {
     .Point    = PrismPoint,
 };
 
-static const ShapeRow prism = {
+const ShapeRow ShapePrism = {
     .name     = "prism",
     .brief    = "x0,y0,x1,y1,...: 3 or more corners in order; along z through the box",
     .citation = "",
@@ -382,8 +382,3 @@ static const ShapeRow prism = {
     .Count    = PrismCount,
     .Point    = PrismPoint,
 };
-
-static const ShapeRow *const solids[] = {&ShapeBall,    &box,           &ShapeCylinder,
-                                         &prism,        &ShapeRevolved, &ShapeEllipsoid,
-                                         &ShapeRounded, &ShapeCone};
-const Table SolidTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 3D", solids);
