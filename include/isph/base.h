@@ -60,6 +60,7 @@ PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow 
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
 PetscErrorCode  TableView(const Table *table, const char options[], PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
+void            TextAppend(char text[], size_t size, const char more[]);
 void            AppendWord(char list[], size_t size, const char word[]);
 
 /*

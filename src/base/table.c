@@ -3,6 +3,8 @@
   compares names of rows.
 */
 #include "isph/base.h"
+#include <stdio.h>
+#include <string.h>
 
 /*
   TableGet - Returns the name, the brief and the citation of row k, with which every row begins
@@ -33,11 +35,20 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* TextAppend - Appends to a text as far as there is room in its `size` characters; not collective. The
+   function of PETSc 3.18 counts the room from the beginning of the text, and writes beyond its end. */
+void TextAppend(char text[], size_t size, const char more[])
+{
+  const size_t length = strlen(text);
+
+  if (length + 1 < size) (void)snprintf(text + length, size - length, "%s", more);
+}
+
 /* AppendWord - Appends a word to a list, "a, b, c", as far as there is room; not collective */
 void AppendWord(char list[], size_t size, const char word[])
 {
-  if (list[0]) (void)PetscStrlcat(list, ", ", size);
-  (void)PetscStrlcat(list, word, size);
+  if (list[0]) TextAppend(list, size, ", ");
+  TextAppend(list, size, word);
 }
 
 /*

@@ -33,11 +33,11 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
     ids[side] = (int)side;
     SceneWallName(scene, side, name);
     if (side) {
-      PetscCall(PetscStrlcat(names, ",", name_size));
-      PetscCall(PetscStrlcat(kinds, ",", kind_size));
+      TextAppend(names, name_size, ",");
+      TextAppend(kinds, kind_size, ",");
     }
-    PetscCall(PetscStrlcat(names, name, name_size));
-    PetscCall(PetscStrlcat(kinds, scene->boundary[side].kind->name, kind_size));
+    TextAppend(names, name_size, name);
+    TextAppend(kinds, kind_size, scene->boundary[side].kind->name);
   }
   PetscCall(Hdf5WriteNumbers(file, "/", "boundary_ids", H5T_NATIVE_INT, n, ids));
   PetscCall(Hdf5WriteText(file, "/", "boundary_names", names));
@@ -91,8 +91,8 @@ PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
     PetscInt     n;
 
     PetscCall(BodyCorners(body, 0.5 * scene->dx, &n, &corner));
-    if (k) PetscCall(PetscStrlcat(shapes, ",", size));
-    PetscCall(PetscStrlcat(shapes, n ? "outline" : body->shape->name, size));
+    if (k) TextAppend(shapes, size, ",");
+    TextAppend(shapes, size, n ? "outline" : body->shape->name);
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d", (int)k + 1));
     PetscCall(WriteReals(file, name, n ? 2 * n : body->n, n ? corner : body->parameter));
     PetscCall(PetscFree(corner));

@@ -119,23 +119,23 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
                           (double)stats->kinetic_energy));
   if (flow->particles->p) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "  div %.1e", (double)stats->divergence));
-    PetscCall(PetscStrlcat(line, part, length));
+    TextAppend(line, length, part);
   }
   for (PetscInt k = 0; k < flow->scheme->n_solves; k++) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT, k ? "+" : "  its ",
                             flow->scheme->solve[k]->iterations));
-    PetscCall(PetscStrlcat(line, part, length));
+    TextAppend(line, length, part);
   }
   if (elapsed > 0.0)
     rate = 1e-6 * (clock->step - clock->step_first) * flow->particles->N_fluid / elapsed;
   PetscCall(PetscSNPrintf(part, sizeof(part), "  %.2f M/s", (double)rate));
-  PetscCall(PetscStrlcat(line, part, length));
+  TextAppend(line, length, part);
   if (fraction > before && fraction < 1.0) {
     PetscCall(ProgressDuration(TimeLeft(elapsed, fraction - before, 1.0 - fraction, (PetscReal)n,
                                         (PetscReal)flow->particles->N_fluid),
                                left, sizeof(left)));
     PetscCall(PetscSNPrintf(part, sizeof(part), "  left %s", left));
-    PetscCall(PetscStrlcat(line, part, length));
+    TextAppend(line, length, part);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,8 +20,8 @@ typedef struct {
 static PetscErrorCode ColumnWord(Columns *columns, const char word[])
 {
   PetscFunctionBegin;
-  if (word) PetscCall(PetscStrlcat(columns->text, word, sizeof(columns->text)));
-  PetscCall(PetscStrlcat(columns->text, ",", sizeof(columns->text)));
+  if (word) TextAppend(columns->text, sizeof(columns->text), word);
+  TextAppend(columns->text, sizeof(columns->text), ",");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,8 +57,8 @@ static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
     if (!SceneHas(scene, (Physics)(1u << k))) continue;
-    if (word[0]) PetscCall(PetscStrlcat(word, "+", sizeof(word)));
-    PetscCall(PetscStrlcat(word, PhysicsNames[k], sizeof(word)));
+    if (word[0]) TextAppend(word, sizeof(word), "+");
+    TextAppend(word, sizeof(word), PhysicsNames[k]);
   }
   PetscCall(ColumnWord(columns, word));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -315,7 +315,7 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
     PetscCall(PetscSNPrintf(row, sizeof(row), "%s%s%s%s,%s", before.text, time.text, after.text,
                             q->name, numbers.text));
     row[strlen(row) - 1] = '\n'; /* in place of the last comma */
-    PetscCall(PetscStrlcat(text, row, room));
+    TextAppend(text, room, row);
   }
   if (rank == 0) PetscCall(ReportFileIsOurs(path, &failed));
   if (rank == 0 && !failed) PetscCall(ReportAppendFile(path, text, &failed));

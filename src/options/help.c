@@ -41,9 +41,9 @@ static void Append(char text[TEXT_LENGTH], const char before[], const char part[
                    const char after[])
 {
   if (!part || !part[0]) return;
-  (void)PetscStrlcat(text, before, TEXT_LENGTH);
-  (void)PetscStrlcat(text, part, TEXT_LENGTH);
-  (void)PetscStrlcat(text, after, TEXT_LENGTH);
+  TextAppend(text, TEXT_LENGTH, before);
+  TextAppend(text, TEXT_LENGTH, part);
+  TextAppend(text, TEXT_LENGTH, after);
 }
 
 /* Writes the allowed values of an option: a range, or names separated by commas. */

@@ -209,8 +209,8 @@ static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t
         (const CorrectionRow *)(const void *)TableGet(&CorrectionTable, k);
 
     if (!(form->corrections & correction->bit)) continue;
-    PetscCall(PetscStrlcat(text, comma, length));
-    PetscCall(PetscStrlcat(text, correction->name, length));
+    TextAppend(text, length, comma);
+    TextAppend(text, length, correction->name);
     comma = ", ";
   }
   PetscFunctionReturn(PETSC_SUCCESS);

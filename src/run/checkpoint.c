@@ -118,8 +118,8 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
     rows[4 * k + 1] = q->value;
     rows[4 * k + 2] = q->reference;
     rows[4 * k + 3] = q->error;
-    PetscCall(PetscStrlcat(names, q->name, (size_t)(33 * n_report + 1)));
-    PetscCall(PetscStrlcat(names, ",", (size_t)(33 * n_report + 1)));
+    TextAppend(names, (size_t)(33 * n_report + 1), q->name);
+    TextAppend(names, (size_t)(33 * n_report + 1), ",");
   }
   PetscCall(Hdf5WriteNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
   PetscCall(Hdf5WriteText(file, "/", "report_names", names));

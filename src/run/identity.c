@@ -10,8 +10,8 @@ PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t lengt
   PetscFunctionBegin;
   names[0] = '\0';
   for (PetscInt k = 0; k < memory->n; k++) {
-    if (k) PetscCall(PetscStrlcat(names, ",", length));
-    PetscCall(PetscStrlcat(names, memory->item[k].name, length));
+    if (k) TextAppend(names, length, ",");
+    TextAppend(names, length, memory->item[k].name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -39,7 +39,7 @@ PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 
     PetscCall(PetscSNPrintf(part, sizeof(part), ",%s:%" PetscInt_FMT, p->field[f].name,
                             p->field[f].components));
-    PetscCall(PetscStrlcat(names, part, length));
+    TextAppend(names, length, part);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -163,7 +163,7 @@ static void RangeText(PetscReal above, PetscReal upto, PetscBool closed, char te
   text[0] = '\0';
   if (above > 0.0) (void)snprintf(text, 64, closed ? " at least %g" : " above %g", (double)above);
   if (upto > 0.0) (void)snprintf(part, 32, closed ? " below %g" : " up to %g", (double)upto);
-  (void)PetscStrlcat(text, part, 64);
+  TextAppend(text, 64, part);
 }
 
 /* Appends a default to a list of options, unless the user gave the option. */
@@ -178,10 +178,10 @@ static PetscErrorCode AppendOption(const Regime *regime, const RegimeTable *tabl
   PetscCall(OptionGiven(table->option, &given));
   if (given) PetscFunctionReturn(PETSC_SUCCESS);
   (void)snprintf(text, sizeof(text), "%.3g", (double)value);
-  (void)PetscStrlcat(options, options[0] ? " " : ": ", size);
-  (void)PetscStrlcat(options, table->option, size);
-  (void)PetscStrlcat(options, " ", size);
-  (void)PetscStrlcat(options, row->range.law == VALUE_CONSTANT ? row->value : text, size);
+  TextAppend(options, size, options[0] ? " " : ": ");
+  TextAppend(options, size, table->option);
+  TextAppend(options, size, " ");
+  TextAppend(options, size, row->range.law == VALUE_CONSTANT ? row->value : text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,7 +235,7 @@ static void FlowsText(const RegimeTable *table, const RegimeRow *row, char text[
     (void)snprintf(part, sizeof(part), "%s%s", number->name, range);
     AppendWord(text, size, part);
   }
-  if (!text[0]) (void)PetscStrlcat(text, "others", size);
+  if (!text[0]) TextAppend(text, size, "others");
 }
 
 /* Writes the value of a row. */

@@ -406,7 +406,7 @@ PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer)
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(
         PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT, a ? " x " : "", s->lattice.cells[a]));
-    PetscCall(PetscStrlcat(text, part, sizeof(text)));
+    TextAppend(text, sizeof(text), part);
   }
   PetscCall(
       PetscViewerASCIIPrintf(viewer, "%-11s coarse: %s B-splines on %s cells, fixed in space\n",
