@@ -35,8 +35,9 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TextAppend - Appends to a text as far as there is room in its `size` characters; not collective. The
-   function of PETSc 3.18 counts the room from the beginning of the text, and writes beyond its end. */
+/* TextAppend - Appends to a text as far as there is room in its `size` characters; not collective.
+   PetscStrlcat() of PETSc 3.18 counts the room from the beginning of the text, and writes beyond its
+   end. */
 void TextAppend(char text[], size_t size, const char more[])
 {
   const size_t length = strlen(text);
