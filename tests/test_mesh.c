@@ -6,6 +6,7 @@
 /* RANKS: 1 */
 #include "cloud.h"
 #include "mesh/mesh.h"
+#include <stdint.h>
 #include <string.h>
 
 #define PATH "mesh_of_test"
@@ -141,7 +142,7 @@ static void test_points(void **state)
   Scene           scene;
   Body            body;
   char            message[512];
-  PetscReal       area = 0.0, exact = 0.0, least = PETSC_INFINITY, most = 0.0;
+  PetscReal       area = 0.0, exact = 0.0;
   const PetscReal dx = 0.15;
 
   (void)state;
@@ -165,8 +166,6 @@ static void test_points(void **state)
     const PetscReal part = BodyPoint(&body, k, dx, x, n);
 
     area += part;
-    least = PetscMin(least, part);
-    most  = PetscMax(most, part);
     assert_true(PetscAbsReal(BodyDistance(&scene, &body, x, m)) < 1e-12);
     for (PetscInt q = 0; q < BodyPoints(&body, dx); q++) {
       (void)BodyPoint(&body, q, dx, y, m);
@@ -174,19 +173,341 @@ static void test_points(void **state)
         d = PetscMin(d, PetscSqrtReal(PetscSqr(x[0] - y[0]) + PetscSqr(x[1] - y[1]) +
                                       PetscSqr(x[2] - y[2])));
     }
-    if (d < 0.6 * dx) print_message("%g %g\n", d / dx, part / dx / dx);
+    assert_true(d > 0.6 * dx && part > 0.5 * dx * dx && part < 2.0 * dx * dx);
   }
-  print_message("%d points, areas %g to %g dx^2, mean %g\n", (int)BodyPoints(&body, dx),
-                least / dx / dx, most / dx / dx, area / BodyPoints(&body, dx) / dx / dx);
   assert_true(PetscAbsReal(area / exact - 1.0) < 1e-12);
   ASSERT_OK(SceneFreeShapes(&scene));
 }
 
+/* Writes a text, or bytes, as the file. */
+static void WriteBytes(size_t n, const char bytes[])
+{
+  FILE *stream = fopen(PATH, "wb");
+
+  (void)fwrite(bytes, 1, n, stream);
+  (void)fclose(stream);
+}
+
+/* Damages of a box of 6 x 50 triangles, by number; the solid that they leave has a known volume. */
+enum {
+  NONE,
+  FLIPPED,
+  HOLE,
+  TWO_HOLES,
+  TWICE,
+  CRACK,
+  POINT,
+  CAVITY,
+  APART,
+  LARGE_HOLE,
+  CROSSED,
+  TOUCHING,
+  SHEET,
+  CORNER,
+  FOLDED,
+  MOEBIUS,
+  NO_EXTENT,
+  ALL_FLIPPED,
+  SMALL,
+  N_DAMAGES
+};
+static const struct {
+  const char *message; /* NULL: it is accepted */
+  PetscReal   volume;
+} damages[N_DAMAGES] = {
+    [NONE]        = {NULL, 1.0},
+    [FLIPPED]     = {NULL, 1.0},
+    [HOLE]        = {NULL, 1.0},
+    [TWO_HOLES]   = {NULL, 1.0}, /* that share a corner */
+    [TWICE]       = {NULL, 1.0},
+    [CRACK]       = {NULL, 1.0}, /* a corner on the side of a neighbour */
+    [POINT]       = {NULL, 1.0}, /* a triangle that is a point */
+    [CAVITY]      = {NULL, 1.0 - 0.125},
+    [APART]       = {NULL, 1.0 + 0.125},
+    [LARGE_HOLE]  = {"open sides, of holes above 1 %", 0.0},
+    [CROSSED]     = {"pairs of its triangles cross or touch", 0.0},
+    [TOUCHING]    = {"touch", 0.0},
+    [SHEET]       = {"more than two triangles meet", 0.0},
+    [CORNER]      = {"corners in which parts touch", 0.0},
+    [FOLDED]      = {"open sides", 0.0}, /* two triangles on the same corners */
+    [MOEBIUS]     = {"one side only", 0.0},
+    [NO_EXTENT]   = {"have no extent", 0.0},
+    [ALL_FLIPPED] = {NULL, 1.0},
+    [SMALL]       = {NULL, 1e-18},
+};
+
+/* Reverses the order of the corners of a triangle. */
+static void Flip(PetscInt t)
+{
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscReal kept = soup.x[t][3 + a];
+
+    soup.x[t][3 + a] = soup.x[t][6 + a];
+    soup.x[t][6 + a] = kept;
+  }
+}
+
+/* Adds a band of triangles with half a turn. */
+static void AddMoebius(void)
+{
+  for (PetscInt k = 0; k < 24; k++) {
+    PetscReal x[4][3];
+
+    for (PetscInt q = 0; q < 4; q++) {
+      const PetscReal w = 2.0 * PETSC_PI * (k + q / 2) / 24.0, s = (q % 2 ? 0.3 : -0.3);
+      const PetscReal r = 1.0 + s * PetscCosReal(0.5 * w);
+
+      x[q][0] = r * PetscCosReal(w);
+      x[q][1] = r * PetscSinReal(w);
+      x[q][2] = s * PetscSinReal(0.5 * w);
+    }
+    AddTriangle(x[0], x[1], x[2]);
+    AddTriangle(x[1], x[3], x[2]);
+  }
+}
+
+static void Damage(PetscInt k)
+{
+  const PetscReal one[3] = {1, 1, 1}, quarter[3] = {0.25, 0.25, 0.25}, most[3] = {0.75, 0.75, 0.75};
+  PetscReal       half[3];
+
+  soup.n = 0;
+  if (k == MOEBIUS) AddMoebius();
+  else AddBox(zero, one, 5);
+  if (k == FLIPPED) Flip(17);
+  for (PetscInt t = 0; t < soup.n && k == ALL_FLIPPED; t++) Flip(t);
+  if (k == HOLE || k == TWO_HOLES) soup.n--;
+  if (k == TWO_HOLES) memcpy(soup.x[soup.n - 5], soup.x[soup.n - 1], sizeof(soup.x[0]));
+  if (k == TWO_HOLES) soup.n--;
+  if (k == TWICE) AddTriangle(&soup.x[3][3], &soup.x[3][6], &soup.x[3][0]);
+  if (k == LARGE_HOLE) soup.n -= 8;
+  if (k == POINT) AddTriangle(soup.x[0], soup.x[0], soup.x[0]);
+  for (PetscInt a = 0; a < 3; a++) half[a] = 0.5 * (soup.x[40][a] + soup.x[40][3 + a]);
+  if (k == CRACK) {
+    AddTriangle(half, &soup.x[40][3], &soup.x[40][6]);
+    memcpy(&soup.x[40][3], half, sizeof(half));
+  }
+  if (k == CAVITY) AddBox(quarter, most, 3);
+  if (k == APART) AddBox((PetscReal[]){1.5, 0, 0}, (PetscReal[]){2, 0.5, 0.5}, 3);
+  if (k == CROSSED) AddBox((PetscReal[]){0.5, 0.4, 0.4}, (PetscReal[]){1.5, 0.6, 0.6}, 3);
+  if (k == TOUCHING) AddBox((PetscReal[]){1, 0.4, 0.4}, (PetscReal[]){1.5, 0.6, 0.6}, 3);
+  if (k == SHEET) AddBox(one, (PetscReal[]){2, 2, 0}, 5); /* they share an edge */
+  if (k == CORNER) AddBox(one, (PetscReal[]){2, 2, 2}, 4);
+  if (k == FOLDED) {
+    soup.n = 2;
+    memcpy(soup.x[1], soup.x[0], sizeof(soup.x[0]));
+    Flip(1);
+  }
+  for (PetscInt q = 0; q < 9 * soup.n && (k == NO_EXTENT || k == SMALL); q++)
+    soup.x[q / 9][q % 9] *= k == SMALL ? 1e-6 : 0.0;
+}
+
+/* Damaged surfaces have the right volume and the right sign everywhere, or are refused. */
+static void test_damages(void **state)
+{
+  (void)state;
+  for (PetscInt k = 0; k < N_DAMAGES; k++) {
+    Scene       scene;
+    Body        body;
+    BodyMoments m;
+    char        message[512], name[16];
+
+    (void)snprintf(name, sizeof(name), "damage %d", (int)k);
+    Damage(k);
+    Write();
+    ReadBody("file," PATH, &scene, &body, message);
+    if (damages[k].message) {
+      if (!strstr(message, damages[k].message)) print_error("%s\n", message);
+      CloudAssertNone("refused", name, !strstr(message, damages[k].message));
+      continue;
+    }
+    CloudAssertNone(message, name, message[0] != '\0');
+    BodyFindMoments(&body, &m);
+    CloudAssertNone("volume", name, PetscAbsReal(m.volume / damages[k].volume - 1.0) > 1e-9);
+    for (PetscInt q = 0; q < 500 && k != SMALL; q++) {
+      PetscReal x[3], n[3], far = 0.0;
+      PetscBool cavity = k == CAVITY;
+
+      for (PetscInt a = 0; a < 3; a++) {
+        x[a]   = 0.5 + 0.7 * ParticlesHash(4, q, a);
+        far    = PetscMax(far, PetscAbsReal(x[a] - 0.5));
+        cavity = cavity && PetscAbsReal(x[a] - 0.5) < 0.25;
+      }
+      CloudAssertNone("sign", name,
+                      (BodyDistance(&scene, &body, x, n) < 0.0) != (far < 0.5 && !cavity));
+    }
+    ASSERT_OK(SceneFreeShapes(&scene));
+  }
+}
+
+/* Texts of files, and the message that refuses them. */
+static void test_texts(void **state)
+{
+  static const struct {
+    const char *text, *message;
+  } texts[] = {
+      {"", "it is empty"},
+      {"hello", "it is no STL, PLY or OBJ file"},
+      {"solid a\nfacet normal 0 0 0\nvertex 0 0 0\nvertex 1 0 0\n", "ends without 'endsolid'"},
+      {"solid a\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid\n", "a facet has no three corners"},
+      {"solid a\nvertex 0 0\nvertex 1 0 0\n", "a number is required at"},
+      {"solid a\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\nendsolid\n", "is not finite"},
+      {"solid a\nendsolid\n", "it has no face and no outline"},
+      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "a face has corner 3, of 3"},
+      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "a face has 2 corners"},
+      {"v 0 0 0\nv 2 0 0\nv 0.1 0.1 0\nv 0 2 0\nf -3 -2 -1 -4\n", "is not convex"},
+      {"ply\nformat ascii 1.0\nelement vertex 1e9\nend_header\n", "more than its bytes"},
+      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n", "no 'end_header'"},
+      {"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nend_header\nxx",
+       "a part of it is missing"},
+      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\nend_header\n",
+       "the type 'real' of a number"},
+  };
+
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(texts); k++) {
+    Scene scene;
+    Body  body;
+    char  message[512];
+
+    WriteBytes(strlen(texts[k].text), texts[k].text);
+    ReadBody("file," PATH, &scene, &body, message);
+    if (!strstr(message, texts[k].message)) print_error("%s\n", message);
+    CloudAssertNone("refused", texts[k].message, !strstr(message, texts[k].message));
+  }
+}
+
+/* A tetrahedron with legs of length 1 as binary files: the volume is 1/6. */
+static void test_binary(void **state)
+{
+  static const float   x[4][3]    = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  static const int32_t face[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  char                 bytes[600];
+
+  (void)state;
+  for (PetscInt kind = 0; kind < 3; kind++) { /* STL, PLY of both orders */
+    size_t      n;
+    Scene       scene;
+    Body        body;
+    BodyMoments m;
+    char        message[512];
+
+    memset(bytes, ' ', sizeof(bytes));
+    if (kind == 0) {
+      memcpy(bytes, "solid, but binary", 17);
+      memcpy(bytes + 80, &(uint32_t){4}, 4);
+      n = 84 + 4 * 50;
+      for (PetscInt k = 0; k < 12; k++)
+        memcpy(bytes + 84 + 50 * (k / 3) + 12 + 12 * (k % 3), x[face[k / 3][k % 3]], 12);
+    } else {
+      const PetscBool big = kind == 2;
+      char           *at;
+
+      n  = (size_t)snprintf(bytes, sizeof(bytes),
+                            "ply\nformat binary_%s_endian 1.0\nelement vertex 4\nproperty float x\n"
+                             "property float y\nproperty float z\nelement face 4\n"
+                             "property list uchar int vertex_indices\nend_header\n",
+                           big ? "big" : "little");
+      at = bytes + n;
+      for (PetscInt k = 0; k < 12; k++, at += 4) memcpy(at, &x[k / 3][k % 3], 4);
+      for (PetscInt k = 0; k < 12; k++, at += 4) {
+        if (k % 3 == 0) *at++ = 3;
+        memcpy(at, &face[k / 3][k % 3], 4);
+      }
+      for (char *word = bytes + n; big && word < at; word += 4) {
+        const char kept[4] = {word[0], word[1], word[2], word[3]};
+
+        if (word >= bytes + n + 48 && (word - bytes - n - 48) % 13 == 0) word++;
+        memcpy(word, (char[]){word[3], word[2], word[1], word[0]}, 4);
+        (void)kept;
+      }
+      n = (size_t)(at - bytes);
+    }
+    WriteBytes(n, bytes);
+    ReadBody("file," PATH ",2", &scene, &body, message);
+    CloudAssertNone(message, "binary file", message[0] != '\0');
+    BodyFindMoments(&body, &m);
+    assert_true(PetscAbsReal(m.volume - 8.0 / 6.0) < 1e-12);
+    ASSERT_OK(SceneFreeShapes(&scene));
+    WriteBytes(n - 1, bytes);
+    ReadBody("file," PATH, &scene, &body, message);
+    assert_true(strstr(message, kind ? "a part of it is missing" : "it should have") != NULL ||
+                strstr(message, "endsolid") != NULL || strstr(message, "bytes of 0") != NULL);
+  }
+}
+
+/* Outlines: areas of files, or messages that refuse them. */
+static void test_outlines(void **state)
+{
+  static const struct {
+    const char *text;
+    PetscReal   area, close; /* relative error */
+    const char *message;
+  } files[] = {
+      {"x,y\n0,0\n2,0\n2,1\n0,1\n0,0\n", 2.0, 1e-12, NULL},
+      {"0 0\n4 0\n4 4\n0 4\n\n1 1\n3 1\n3 3\n1 3\n\n1.5,1.5\n2.5,1.5\n2,2.5\n", 12.5, 1e-12, NULL},
+      {"POLYGON ((0 0, 4 0, 4 4, 0 4, 0 0), (1 1, 1 2, 2 2, 2 1, 1 1))", 15.0, 1e-12, NULL},
+      {"MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((3 0, 4 0, 4 1, 3 1, 3 0)))", 1.5, 1e-12, NULL},
+      {"<svg><path d=\"M0,0 h4 v4 h-4 z m1 1 l2,0 0 2 -2 0Z\"/></svg>", 12.0, 1e-12, NULL},
+      {"<svg><!-- <rect/> --><polygon points='0,0 3,0 3,3'/></svg>", 4.5, 1e-12, NULL},
+      {"<svg><path\nd='M-1 0a1 1 0 1 1 2 0A1 1 0 11-1 0'/></svg>", PETSC_PI, 1e-3, NULL},
+      {"<svg><path d='M-2 0A2 1 0 0 0 2 0Z'/></svg>", PETSC_PI, 1e-3, NULL},
+      /* the area below a parabola and a cubic: 2/3 and 3/5 of the box of their control points */
+      {"<svg><path d='M0 0Q1 2 2 0Z'/></svg>", 4.0 / 3.0, 1e-3, NULL},
+      {"<svg><path d='M0 0C0 1 1 1 1 0Z'/></svg>", 0.6, 1e-3, NULL},
+      {"<svg><path d='M0 0q1 2 2 0t2 0v5H0Z'/></svg>", 20.0, 1e-3, NULL},
+      {"<svg><path d='M0 0c0 1 1 1 1 0s1-1 1 0v5H0Z'/></svg>", 10.0, 1e-3, NULL},
+      {"0,0\n2,0\n2,2\n0,2\n\n1,1\n3,1\n3,3\n1,3\n", 0.0, 0.0, "its outlines cross each other"},
+      {"0,0\n1,1\n1,0\n0,1\n", 0.0, 0.0, "its sides cross or touch"},
+      {"0,0\n1,0,5\n1,1\n", 0.0, 0.0, "line 2 has no two numbers"},
+      {"0,0\n1,inf\n1,1\n", 0.0, 0.0, "is not finite"},
+      {"0,0\n1,0\n", 0.0, 0.0, "has 2 corners"},
+      {"solid a\n", 0.0, 0.0, "it has no face and no outline"},
+      {"POLYGON ((0 0, 1 0, 1 1, 0 0)", 0.0, 0.0, "two numbers are required"},
+      {"POLYGON Z ((0 0 0, 1 0 0, 1 1 0))", 0.0, 0.0, "two numbers are required"},
+      {"POLYGON ((0 0, 1 0, 1 1, 0 0)) POINT (1 1)", 0.0, 0.0, "POLYGON or MULTIPOLYGON is"},
+      {"<svg><path d='M0 0L1 x'/></svg>", 0.0, 0.0, "in place of a number"},
+      {"<svg><path d='M0 0K1 1'/></svg>", 0.0, 0.0, "a path has the command 'K'"},
+      {"<svg><path d='M0 0a1 1 0 2 1 1 1'/></svg>", 0.0, 0.0, "a flag of an arc is 0 or 1"},
+      {"<svg><circle r='1'/></svg>", 0.0, 0.0, "convert all objects to paths"},
+      {"<svg><g transform='scale(2)'/></svg>", 0.0, 0.0, "it has a transform"},
+      {"<svg><path d='M0 0L1 1", 0.0, 0.0, "an element does not end"},
+  };
+
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++) {
+    const OptionRow row   = {.name = "-scene_body_<k>", .table = &ShapeTable};
+    Scene           scene = {.dim = 2, .dx = 0.1};
+    Body            body;
+    BodyMoments     m;
+    PetscBool       given;
+    char            message[512] = "";
+
+    WriteBytes(strlen(files[k].text), files[k].text);
+    ASSERT_OK(PetscOptionsSetValue(NULL, "-scene_body_1", "file," PATH));
+    ASSERT_OK(PetscPushErrorHandler(CloudKeepMessage, message));
+    (void)ShapeRead(&scene, &row, 1, 0, &body, &given);
+    ASSERT_OK(PetscPopErrorHandler());
+    if (!files[k].message && !*message) {
+      BodyFindMoments(&body, &m);
+      CloudAssertNone("area", files[k].text,
+                      PetscAbsReal(m.volume / files[k].area - 1.0) > files[k].close);
+    }
+    if (files[k].message ? !strstr(message, files[k].message) : *message != '\0')
+      print_error("%s\n", message);
+    CloudAssertNone("message", files[k].text,
+                    files[k].message ? !strstr(message, files[k].message) : *message != '\0');
+    ASSERT_OK(SceneFreeShapes(&scene));
+  }
+}
+
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_distance),
-                                     cmocka_unit_test(test_points)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_distance), cmocka_unit_test(test_points),
+      cmocka_unit_test(test_damages),  cmocka_unit_test(test_texts),
+      cmocka_unit_test(test_binary),   cmocka_unit_test(test_outlines)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);

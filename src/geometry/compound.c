@@ -263,8 +263,6 @@ static PetscErrorCode SetPlane(PetscInt parts, const Body part[], const char ope
   PetscCall(BorderMake(1, body, &border));
   PetscCall(CopyParts(parts, part, operation, border, body));
   for (PetscInt k = 0; k < parts; k++) extent = PetscMax(extent, part[k].extent);
-  for (PetscInt k = 0; k < parts; k++)
-    if (border->part[k].shape->Read) *fault = "shapes from files are no parts in the plane";
   for (PetscInt k = 0; k < parts && !*fault; k++) {
     PetscInt curves;
     Curve   *curve;

@@ -47,7 +47,7 @@ typedef struct {
   PetscReal   hole;                 /* part of the area that is added at holes [-] */
 } Mesh;
 
-extern const ShapeRow ShapeMesh;
+extern const ShapeRow ShapeMesh, ShapeOutlines;
 
 /* Cells of space that hold the numbers of points. */
 typedef struct {
@@ -65,6 +65,9 @@ void           MeshAddPolygon(MeshFile *file, PetscInt n, const PetscInt corner[
 void           MeshReadStl(MeshFile *file);
 void           MeshReadPly(MeshFile *file);
 void           MeshReadObj(MeshFile *file);
+void           MeshReadSvg(MeshFile *file);
+void           MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y);
+void           MeshEndLoop(MeshFile *file);
 PetscErrorCode MeshFileRead(const char option[], const char path[], void (*Parse)(MeshFile *file),
                             MeshFile *file);
 PetscErrorCode MeshPath(const char option[], const char text[], char **path, PetscReal *scale);

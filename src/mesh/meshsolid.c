@@ -109,11 +109,10 @@ static PetscErrorCode Say(const char option[], const char path[], const Mesh *me
   PetscFunctionBegin;
   if (mesh->equal + mesh->flat)
     PetscCall(SayLine("%s: %s: %" PetscInt_FMT " triangles without area or on the same corners as "
-                      "others were left out, %" PetscInt_FMT " turned to their other diagonal\n",
+                      "others were left out, %" PetscInt_FMT " turned to their other diagonal",
                       option, path, mesh->equal, mesh->flat));
   if (mesh->closed)
-    PetscCall(SayLine("%s: %s: holes were closed by %" PetscInt_FMT
-                      " triangles, %.2g of the area\n",
+    PetscCall(SayLine("%s: %s: holes were closed by %" PetscInt_FMT " triangles, %.2g of the area",
                       option, path, mesh->closed, (double)mesh->hole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,8 +2,8 @@
 #include "geometry/shapes.h"
 #include "mesh.h"
 
-static const ShapeRow *const shapes[] = {&ShapeCircle, &ShapeBox, &ShapePolygon, &ShapeEllipse,
-                                         &ShapeCapsule};
+static const ShapeRow *const shapes[] = {&ShapeCircle,  &ShapeBox,     &ShapePolygon,
+                                         &ShapeEllipse, &ShapeCapsule, &ShapeOutlines};
 const Table ShapeTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 2D", shapes);
 
 static const ShapeRow *const solids[] = {&ShapeBall,    &ShapeCuboid,   &ShapeCylinder,

@@ -66,12 +66,13 @@ void MeshReadStl(MeshFile *file)
   if (file->length >= HEADER && (double)file->length == HEADER + RECORD * n)
     ReadBinary(file, (PetscInt)n);
   else if (MeshWord(file, "solid")) ReadText(file);
+  else if (strlen(file->text) == file->length)
+    MeshFail(file, "it is no STL, PLY or OBJ file, as a shape in 3D is");
   else
-    MeshFail(
-        file,
-        "it is no text, and as a binary STL file with %.0f triangles it should have %.0f bytes "
-        "in place of %.0f",
-        n, HEADER + RECORD * n, (double)file->length);
+    MeshFail(file,
+             "as a binary STL file with %.0f triangles it should have %.0f bytes "
+             "in place of %.0f",
+             n, HEADER + RECORD * n, (double)file->length);
 }
 
 /* Reads the corners of a face of an OBJ file, as 3, 3/1, 3//2 or 3/1/2, and -1 for the last. */
