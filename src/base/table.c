@@ -36,7 +36,7 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
 }
 
 /* TextAppend - Appends to a text as far as there is room in its `size` characters; not collective.
-   PetscStrlcat() of PETSc 3.18 counts the room from the beginning of the text, and writes beyond its
+   PETSc 3.18's own function counts the room from the beginning of the text, and writes beyond its
    end. */
 void TextAppend(char text[], size_t size, const char more[])
 {
