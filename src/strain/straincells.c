@@ -504,7 +504,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   if (!*cells) PetscCall(PetscNew(cells));
   s       = *cells;
   s->sets = sets;
-  if (SetBlock(scene, p, edge, &s->lattice) || (scene->n_bodies && !s->lattice.distance))
+  if (SetBlock(scene, p, edge, &s->lattice) || (scene->n_bodies && !s->lattice.distance) ||
+      scene->pose) /* bodies move */
     PetscCall(SetDistances(scene, &s->lattice));
   corners.all = CornerCount(&s->lattice);
   if (p->fluid) {
