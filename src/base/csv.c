@@ -54,10 +54,7 @@ static PetscErrorCode ReadLines(FILE *stream, PetscInt found[3], PetscReal **val
   CsvRead - Reads the lines of numbers of a CSV file: '#' comments, a header or none, and lines that
   all have the same number of finite numbers
 
-  Collective on PETSC_COMM_WORLD
-
-  Input Parameter:
-. stream - the file, on the first rank; NULL: there is none
+  Collective on PETSC_COMM_WORLD. Input: stream - the file, on the first rank; NULL: there is none.
 
   Output Parameters:
 + rows    - number of lines with numbers; -1: there is no file

@@ -187,12 +187,9 @@ static PetscErrorCode Measure(const Flow *flow, Reaction *r, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReactionCreate - Prepares the force of the fluid on a boundary, for all calls of ReactionForce()
-  until particles or boundaries move
-
-  Not collective. Input: side - a side of the box or a body. Free with ReactionDestroy().
-*/
+/* ReactionCreate - Prepares the force of the fluid on a boundary, for all calls of ReactionForce()
+   until particles or boundaries move; not collective. Input: side - a side of the box or a body.
+   Free with ReactionDestroy(). */
 PetscErrorCode ReactionCreate(const Flow *flow, PetscInt side, Reaction **reaction)
 {
   const Scene *scene = flow->scene;
@@ -242,18 +239,16 @@ static PetscErrorCode Exchange(const Flow *flow, PetscBool next, Reaction *r)
   momentum of the fluid beside it, with a free surface by tractions
 
   Collective. The same on all ranks, to rounding on different numbers of them. The first call fits
-  the fluid at its points; later ones are sums.
-
-  Input Parameter:
-. next - PETSC_TRUE: at the end of the present step, after a stage that solves, from u_next, the
-         rate of the step's formula and the present pressure; PETSC_FALSE: between steps
+  the fluid at its points; later ones are sums. Input: next - PETSC_TRUE: at the end of the present
+  step, after a stage that solves, from u_next, the rate of the step's formula and the present
+  pressure; PETSC_FALSE: between steps.
 
   Output Parameter:
 . force - force [N], then torque [N m] about the centre of a body or the middle of the box; in 2D
           per metre of depth, the torque is the third component. A boundary that ends at periodic
           sides has no torques about other axes.
 
-  Note: wcsph has no next
+  Wcsph has no next.
 */
 PetscErrorCode ReactionForce(const Flow *flow, PetscBool next, Reaction *r, PetscReal force[])
 {
@@ -287,15 +282,12 @@ static void CopyTorques(const Scene *scene, PetscInt side, const PetscReal tract
   }
 }
 
-/*
-  WallForce - Computes force and torque of the fluid on a boundary, a side of the box or a body, in
-  two ways: by the momentum of the fluid beside it, which is the better one, and by tractions
-
-  Collective. With a free surface both are tractions on the parts of the wall inside it. Output:
-  force [N], then torque [N m] about the centre of a body or the middle of the box, at
-  FORCE_MOMENTUM and FORCE_TRACTION. In 2D both are per metre of depth, and the torque is its third
-  component.
-*/
+/* WallForce - Computes force and torque of the fluid on a boundary, a side of the box or a body, in
+   two ways: by the momentum of the fluid beside it, which is the better one, and by tractions;
+   collective. With a free surface both are tractions on the parts of the wall inside it. Output:
+   force [N], then torque [N m] about the centre of a body or the middle of the box, at
+   FORCE_MOMENTUM and FORCE_TRACTION. In 2D both are per metre of depth, and the torque is its third
+   component. */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side,
                          PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM])
 {

@@ -164,14 +164,10 @@ static PetscErrorCode GapForce(const Flow *flow, const Gap *gap, const Facets *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LubricationAdd - Adds the lubrication in narrow gaps between a boundary with facets s, and finer
-  ones, and all others, less the force of the computed pressure there, to force and torque [N],
-  [N m]: along the normal at the least gap
-
-  Collective. Notes: of gaps with the same boundary the least counts; sliding and rolling have the
-  computed stress alone, and so has the fluid.
-*/
+/* LubricationAdd - Adds the lubrication in narrow gaps between a boundary with facets s, and finer
+   ones, and all others, less the force of the computed pressure there, to force and torque [N], [N
+   m]: along the normal at the least gap; collective. Notes: of gaps with the same boundary the
+   least counts; sliding and rolling have the computed stress alone, and so has the fluid. */
 PetscErrorCode LubricationAdd(const Flow *flow, PetscInt side, const Facets *s, const Facets *fine,
                               const PetscReal centre[], PetscReal F[], PetscReal T[])
 {

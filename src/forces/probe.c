@@ -140,11 +140,9 @@ static PetscErrorCode Keep(const Probe *probe, const PetscReal key[], PetscInt w
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the weights of the value of a field at x and, if `wanted` is 1 + dim, of its derivatives.
-  The support grows, up to the reach of the halo, while it holds too few particles, for example in a
-  corner; then a cubic fit becomes a quadratic one.
-*/
+/* Computes the weights of the value of a field at x and, if `wanted` is 1 + dim, of its
+   derivatives. The support grows, up to the reach of the halo, while it holds too few particles,
+   for example in a corner; then a cubic fit becomes a quadratic one. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt field,
                                    PetscInt wanted, PetscInt *n)
 {
@@ -309,9 +307,8 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
 - x    - the points, dim coordinates each, the same on all ranks; walls and periodic images are
          allowed [m]
 
-  Output Parameters:
-+ u - velocities, dim components each, on all ranks; NaN at points outside a free surface [m/s]
-- p - pressures, NaN there and if the run has none; may be NULL [Pa]
+  Output: u - velocities, dim components each, on all ranks; NaN at points outside a free surface
+  [m/s]; p - pressures, NaN there and if the run has none; may be NULL [Pa].
 */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[])
@@ -392,13 +389,10 @@ static PetscErrorCode CreateRates(const Flow *flow, PetscReal *rate[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProbeMotion - Computes velocity gradient, rate Du/Dt and pressure at points by cubic fits
-
-  Collective. Input: as ProbePoints(), in a flow without a free surface. Output, on all ranks:
-  gradient - d u_c/dx_a at [(k dim + c) dim + a] [1/s]; rate - dim components each [m/s^2]; pressure
-  - NaN if the run has none [Pa].
-*/
+/* ProbeMotion - Computes velocity gradient, rate Du/Dt and pressure at points by cubic fits;
+   collective. Input: as ProbePoints(), in a flow without a free surface. Output, on all ranks:
+   gradient - d u_c/dx_a at [(k dim + c) dim + a] [1/s]; rate - dim components each [m/s^2];
+   pressure - NaN if the run has none [Pa]. */
 PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal gradient[],
                            PetscReal rate[], PetscReal pressure[])
 {
@@ -437,11 +431,8 @@ PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProbeDry - Finds out which points are outside a free surface
-
-  Collective. Input: as ProbePoints(). Output: dry - on all ranks.
-*/
+/* ProbeDry - Finds out which points are outside a free surface; collective. Input: as
+   ProbePoints(). Output: dry - on all ranks. */
 PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[])
 {
   const PetscInt dim = flow->particles->dim;
@@ -481,12 +472,9 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point
-
-  Collective. An interpolation would mix the viscosities of two fluids. Input: as ProbePoints().
-  Output: nu - on all ranks [m^2/s].
-*/
+/* ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point;
+   collective. An interpolation would mix the viscosities of two fluids. Input: as ProbePoints().
+   Output: nu - on all ranks [m^2/s]. */
 PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
 {
   const Particles *p = flow->particles;

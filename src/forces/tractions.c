@@ -199,12 +199,10 @@ static PetscErrorCode AddAlongOpening(const Flow *flow, PetscInt side, const Fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FacetLoads - Computes the forces of the fluid on facets of a boundary: a side of the box or a body
-
-  Collective. Output: f - viscous forces, dim components each, NaN at dry facets [N]; p - pressures,
-  NaN without one [Pa]; both to be freed by PetscFree(). In 2D forces are per metre of depth.
-*/
+/* FacetLoads - Computes the forces of the fluid on facets of a boundary: a side of the box or a
+   body; collective. Output: f - viscous forces, dim components each, NaN at dry facets [N]; p -
+   pressures, NaN without one [Pa]; both to be freed by PetscFree(). In 2D forces are per metre of
+   depth. */
 PetscErrorCode FacetLoads(const Flow *flow, PetscInt side, const Facets *s, PetscReal **f,
                           PetscReal **p)
 {

@@ -130,13 +130,10 @@ static void WriteFile(FILE *f, const Scene *scene, PetscReal t, PetscInt n, cons
   fprintf(f, "</DataArray>\n</%s>\n</Piece>\n</PolyData>\n</VTKFile>\n", cells);
 }
 
-/*
-  SurfaceFileWrite - Writes the boundaries of a scene at time t under another name, and renames the
-  complete file
-
-  Not collective: called by the first rank. Sides at which the fluid continues, and those beyond a
-  body around the fluid, are left out. Output: good - true if the file has been written.
-*/
+/* SurfaceFileWrite - Writes the boundaries of a scene at time t under another name, and renames the
+   complete file; not collective: called by the first rank. Sides at which the fluid continues, and
+   those beyond a body around the fluid, are left out. Output: good - true if the file has been
+   written. */
 PetscErrorCode SurfaceFileWrite(const Scene *scene, PetscReal t, const char path[], PetscBool *good)
 {
   char     part[PETSC_MAX_PATH_LEN];

@@ -123,12 +123,8 @@ static PetscErrorCode Remember(const Scene *scene, FreeBodies *b, Scheme *scheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FreeBodiesCreate - Creates the state of free bodies, if the scene has any, and adds it to the
-  memory of the run
-
-  Collective. The poses have the velocities at the start.
-*/
+/* FreeBodiesCreate - Creates the state of free bodies, if the scene has any, and adds it to the
+   memory of the run; collective. The poses have the velocities at the start. */
 PetscErrorCode FreeBodiesCreate(Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -233,13 +229,10 @@ static PetscReal MovedMass(const Scene *scene, PetscInt side)
   return scene->boundary[side].free ? f->mass + scene->rho * f->volume : PETSC_INFINITY;
 }
 
-/*
-  Measures the gap between a free body and another boundary by points on the surface of the body
-
-  Output: x, out - mean place, and mean normal of the other boundary, of the points nearer than GAP
-  dx, with their depths below it as weights. Returns: the least gap, less the way of a step in which
-  both keep their velocities; infinite without such a point [m].
-*/
+/* Measures the gap between a free body and another boundary by points on the surface of the body.
+   Output: x, out - mean place, and mean normal of the other boundary, of the points nearer than GAP
+   dx, with their depths below it as weights. Returns: the least gap, less the way of a step in
+   which both keep their velocities; infinite without such a point [m]. */
 static PetscReal MeasureGap(const Flow *flow, PetscInt side, PetscInt other, PetscReal x[],
                             PetscReal out[])
 {
@@ -357,11 +350,8 @@ static void ExternalLoad(const Flow *flow, PetscInt k, PetscReal load[PARTS], Pe
   }
 }
 
-/*
-  Computes the residuals of Newton's law of body k, in the pose the load of the fluid
-
-  Output: R - [N], [N m]; size - sum of the sizes of the forces [N].
-*/
+/* Computes the residuals of Newton's law of body k, in the pose the load of the fluid. Output: R -
+   [N], [N m]; size - sum of the sizes of the forces [N]. */
 static PetscErrorCode BodyResidual(Flow *flow, PetscInt k, PetscReal R[PARTS], PetscReal *size)
 {
   const Scene    *scene  = flow->scene;

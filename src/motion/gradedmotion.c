@@ -16,11 +16,8 @@ static void PlaceOf(const Particles *p, PetscInt i, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
 }
 
-/*
-  GradedPath - Multiplies the way of the fluid in a step by the factor of the motion
-
-  Not collective. The factor belongs to the middle of the way. Input/Output: way [m].
-*/
+/* GradedPath - Multiplies the way of the fluid in a step by the factor of the motion; not
+   collective. The factor belongs to the middle of the way. Input/Output: way [m]. */
 void GradedPath(const Scene *scene, const Particles *p, PetscInt i, PetscReal way[])
 {
   PetscReal x[ISPH_MAX_DIM] = {0.0}, factor = ParticlesMotionFactor(scene, p, i);
@@ -121,10 +118,7 @@ static PetscErrorCode Convect(Flow *flow, PetscInt c, const Vec u[], const Petsc
 
   Collective, at the new places of the particles. Adds the momentum and the energy of the step to
   state->graded: those of the change of volumes and of the convective term, whose sums vanish in the
-  continuum.
-
-  Input Parameter:
-. at - time of the force within the step: 1 or 1/2
+  continuum. Input: at - time of the force within the step: 1 or 1/2.
 */
 PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[])
 {

@@ -38,11 +38,8 @@ static PetscReal RoomOf(const Scene *scene)
   return room * free / n;
 }
 
-/*
-  OpeningsCreate - Prepares the counters of the volume that enters and leaves
-
-  Not collective. Does nothing if particles cannot enter or leave.
-*/
+/* OpeningsCreate - Prepares the counters of the volume that enters and leaves; not collective. Does
+   nothing if particles cannot enter or leave. */
 PetscErrorCode OpeningsCreate(Flow *flow)
 {
   Openings *o      = &flow->state->openings;
@@ -187,17 +184,11 @@ static PetscErrorCode CheckRoom(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OpeningsPass - Removes the particles that left the box in the present step, and inserts those that
-  entered
-
-  Collective. Positions are those at the end of the step, velocities still those at its start. An
-  epoch starts if a particle leaves or enters.
-
-  Notes:
-  The step fails if fluid enters farther than the box is long. The step, and with it the run, fails
-  if no fluid is left, or if a box without an outflow is full.
-*/
+/* OpeningsPass - Removes the particles that left the box in the present step, and inserts those
+   that entered; collective. Positions are those at the end of the step, velocities still those at
+   its start. An epoch starts if a particle leaves or enters. The step fails if fluid enters farther
+   than the box is long. The step, and with it the run, fails if no fluid is left, or if a box
+   without an outflow is full. */
 PetscErrorCode OpeningsPass(Flow *flow)
 {
   Openings        *o    = &flow->state->openings;

@@ -4,14 +4,11 @@
 */
 #include "isph/motion.h"
 
-/*
-  ShiftStepFactor - Returns U dt/dx, but at least 1 and at most 2: so much longer are the longest
-  shift and the disturbance of a lattice in a long step
-
-  Not collective. A step strains the particles by dt |grad u|, and shifts have to keep pace with it.
-  With the shifts of short steps a lattice in taylor_green (Re = 100, -cfl 2, n = 24 to 64) went to
-  pieces: rows drifted apart before the disturbance had grown.
-*/
+/* ShiftStepFactor - Returns U dt/dx, but at least 1 and at most 2: so much longer are the longest
+   shift and the disturbance of a lattice in a long step; not collective. A step strains the
+   particles by dt |grad u|, and shifts have to keep pace with it. With the shifts of short steps a
+   lattice in taylor_green (Re = 100, -cfl 2, n = 24 to 64) went to pieces: rows drifted apart
+   before the disturbance had grown. */
 PetscReal ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt)
 {
   return PetscMin(PetscMax(speed * dt / dx, 1.0), 2.0);
@@ -23,16 +20,14 @@ PetscReal ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt)
     delta r = -D grad C,  D = min(S (U + 4 h |grad u|) h dt, h^2/2),  h = 1.3 dx
 
   |delta r| is at most 0.1 dx in steps up to dx/U, and up to 0.2 dx in longer ones, see
-  ShiftStepFactor(). The first term of D spreads particles in any flow, the second keeps
-  pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes while
-  its rows drift apart. The random displacement ShiftRow.disturbance in the first step breaks this
-  symmetry.
-
+  ShiftStepFactor(). The first term of D spreads particles in any flow, the second keeps pace with
+  strain. A lattice strained along its axes stays symmetric, so that grad C vanishes while its rows
+  drift apart. The random displacement ShiftRow.disturbance in the first step breaks this symmetry.
   Input: dx - spacing of the particle [m]; strength - S; speed - U, the largest of the flow [m/s];
   rate - |grad u| at the particle [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
 
   Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D follows from measurements
-  with this program
+  with this program.
 */
 static void ShiftDisplace_Fickian(PetscInt dim, PetscReal dx, PetscReal strength, PetscReal speed,
                                   PetscReal rate, PetscReal dt, const PetscReal gradient_c[],
@@ -61,39 +56,30 @@ const Table ShiftTable = TABLE("Particle shifting", shifts);
 
 enum { SHIFT, SHIFT_STRENGTH, VELOCITY_FILTER };
 static const OptionRow options[] = {
-    [SHIFT] =
-        {
-            .name     = "-shift",
-            .kind     = VALUE_NAME,
-            .brief    = "particle shifting",
-            .standard = REGIME,
-            .table    = &ShiftTable,
-            .where    = "flows whose particles move",
-        },
-    [SHIFT_STRENGTH] =
-        {
-            .name     = "-shift_strength",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "factor of the diffusivity of -shift",
-            .unit     = "-",
-            .standard = REGIME,
-            .low      = 1e-3,
-            .high     = 100.0,
-            .where    = "flows whose particles are shifted",
-        },
-    [VELOCITY_FILTER] =
-        {
-            .name     = "-velocity_filter",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "strength of the grid-scale filter of velocities; 0: off",
-            .unit     = "-",
-            .standard = REGIME,
-            .low      = 0.0,
-            .high     = 8.0,
-            .where    = "flows with convection",
-        },
+    [SHIFT]           = {.name     = "-shift",
+                         .kind     = VALUE_NAME,
+                         .brief    = "particle shifting",
+                         .standard = REGIME,
+                         .table    = &ShiftTable,
+                         .where    = "flows whose particles move"},
+    [SHIFT_STRENGTH]  = {.name     = "-shift_strength",
+                         .expert   = PETSC_TRUE,
+                         .kind     = VALUE_REAL,
+                         .brief    = "factor of the diffusivity of -shift",
+                         .unit     = "-",
+                         .standard = REGIME,
+                         .low      = 1e-3,
+                         .high     = 100.0,
+                         .where    = "flows whose particles are shifted"},
+    [VELOCITY_FILTER] = {.name     = "-velocity_filter",
+                         .expert   = PETSC_TRUE,
+                         .kind     = VALUE_REAL,
+                         .brief    = "strength of the grid-scale filter of velocities; 0: off",
+                         .unit     = "-",
+                         .standard = REGIME,
+                         .low      = 0.0,
+                         .high     = 8.0,
+                         .where    = "flows with convection"},
 };
 const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
 

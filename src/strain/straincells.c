@@ -481,8 +481,7 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
 . sets   - components of the velocity with equations of their own at boundaries: 1 or dim
 - normal - walls along the axes give their normal velocity only, and sets is dim
 
-  Input/Output Parameter:
-. cells - NULL at first
+  Input/Output: cells - NULL at first.
 */
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                               PetscReal edge, PetscInt degree, PetscInt sets, PetscBool normal,

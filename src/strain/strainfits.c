@@ -217,10 +217,8 @@ static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *arou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Adds the row of the velocity on a wall at x: the linear fit of the particles of the same wall
-  around x. Input: list - the particles around x.
-*/
+/* Adds the row of the velocity on a wall at x: the linear fit of the particles of the same wall
+   around x. Input: list - the particles around x. */
 static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], PetscInt side,
                                  PetscInt n, const PetscInt list[], StrainRows *rows)
 {
@@ -271,11 +269,8 @@ static PetscBool SideGives(const StrainFits *f, PetscInt side, PetscInt c)
          EQUATION_VALUE;
 }
 
-/*
-  StrainRowsOf - Computes the rows of the velocity at points: `sets` of each, one after the other
-
-  Not collective. Input: points - at which; f - its feet if there are interfaces.
-*/
+/* StrainRowsOf - Computes the rows of the velocity at points: `sets` of each, one after the other;
+   not collective. Input: points - at which; f - its feet if there are interfaces. */
 PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRows *rows)
 {
   const Particles *p   = f->p;

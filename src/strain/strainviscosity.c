@@ -34,12 +34,9 @@ static PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  StrainOfVelocity - Computes the strains of the cells and their rates, sqrt(2 E:E)
-
-  Collective. Input: u - velocity components over the fluid; walls - those of walls, NULL entries
-  without walls.
-*/
+/* StrainOfVelocity - Computes the strains of the cells and their rates, sqrt(2 E:E); collective.
+   Input: u - velocity components over the fluid; walls - those of walls, NULL entries without
+   walls. */
 PetscErrorCode StrainOfVelocity(const Particles *p, const Vec u[], const Vec walls[],
                                 StrainCells *s)
 {
