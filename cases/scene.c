@@ -27,13 +27,14 @@ static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[]
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-static PetscErrorCode AddBodyRow(PetscInt k, const char way[], const char quantity[],
-                                 PetscReal value, Report *report)
+static PetscErrorCode AddBodyRow(const Scene *scene, PetscInt k, const char way[],
+                                 const char quantity[], PetscReal value, Report *report)
 {
-  char name[32];
+  char name[WALL_NAME + 32], body[WALL_NAME];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_%s%s", k + 1, way, quantity));
+  SceneWallName(scene, SceneBodySide(scene, k), body);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s%s", body, way, quantity));
   PetscCall(ReportAdd(report, name, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -49,13 +50,13 @@ static PetscErrorCode MeasurePose(const Scene *scene, PetscInt k, Report *report
   PetscFunctionBegin;
   if (!pose) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(AddBodyRow(k, "", name[0][a], pose->x[a], report));
-    PetscCall(AddBodyRow(k, "", name[1][a], pose->u[a], report));
+    PetscCall(AddBodyRow(scene, k, "", name[0][a], pose->x[a], report));
+    PetscCall(AddBodyRow(scene, k, "", name[1][a], pose->u[a], report));
   }
   if (scene->dim == 2)
-    PetscCall(AddBodyRow(k, "", "angle", 2.0 * atan2(pose->turn[3], pose->turn[0]), report));
+    PetscCall(AddBodyRow(scene, k, "", "angle", 2.0 * atan2(pose->turn[3], pose->turn[0]), report));
   for (PetscInt a = scene->dim == 2 ? 2 : 0; a < ISPH_MAX_DIM; a++)
-    PetscCall(AddBodyRow(k, "", name[2][a], pose->spin[a], report));
+    PetscCall(AddBodyRow(scene, k, "", name[2][a], pose->spin[a], report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,12 +77,12 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
     for (PetscInt way = 0; way < (flow->ops->free ? 1 : 2); way++) {
       for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) {
         if (scene->dim == 2 && a > 1 && a < 2 * ISPH_MAX_DIM - 1) continue;
-        PetscCall(AddBodyRow(k, way ? "traction_" : "", names[a], force[way][a], report));
+        PetscCall(AddBodyRow(scene, k, way ? "traction_" : "", names[a], force[way][a], report));
       }
     }
     ForceParts(force, part);
     for (PetscInt q = flow->ops->free ? 2 : 0; q < (part[2] > 0.0 ? 3 : 2); q++)
-      PetscCall(AddBodyRow(k, "", parts[q], part[q], report));
+      PetscCall(AddBodyRow(scene, k, "", parts[q], part[q], report));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

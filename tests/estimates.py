@@ -30,8 +30,8 @@ CLOSE = {  # flow: (cause of the error, options); the estimate within a factor o
 VIOLATED = {  # not trusted: the reason is the same in all of them
     "drop in a cavity": "-case scene -without convection -viscosity 1 -scene_wall_top_velocity 1,0 -scene_fluid_1 "
                         "circle,0.5,0.6,0.15 -scene_fluid_1_viscosity 1e-3 -n 24 -scheme coupled -steady",
-    "Bingham between cylinders": "-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_body_1 circle,0,0,0.5 "
-                                 "-scene_body_1_around -scene_body_2 circle,0,0,0.25 -scene_body_2_rotation 1 "
+    "Bingham between cylinders": "-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_domain circle,0,0,0.5 "
+                                 "-scene_body_1 circle,0,0,0.25 -scene_body_1_rotation 1 "
                                  "-viscosity 1 -without convection -rheology papanastasiou -rheology_yield 4 -n 20 "
                                  "-scheme coupled -steady",
     "anti-diffusive form": CHANNEL + " -visc_laplacian direct -t_end 1",

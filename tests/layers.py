@@ -21,7 +21,7 @@ RANK = {folder: k for k, folder in enumerate(LAYERS)}
 
 # Files that call each other: the parts of one object, which stand in one folder.
 CIRCLES = {
-    "scene": """bodies boundaries typedchecks scenecreate distances fluids free freebodies isotropicgrading openings regime spacing symmetry
+    "scene": """bodies boundaries typedchecks scenecreate distances fluids free freebodies grading openings regime spacing symmetry
         typed""".split(),
     "splines": """splineextend splinefits splineintegrals splines splinestep splinestiffness
         splinewindow""".split(),

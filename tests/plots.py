@@ -21,7 +21,7 @@ BODIES = ["-scene_body_1", "circle,0.3,0.3,0.15", "-scene_body_2", "polygon,0.6,
 FILLED = ["-scene_box", "0,0,2,1.5", "-body_force", "0,-1"]
 AREAS = (  # run, its area, its width on the floor; a pixel and the surface's polygon err
     ([*SCENE, *BODIES, "-n", "32"], 1 - math.pi * 0.15**2 - 0.025, 1),
-    ([*SCENE, "-scene_box", "-1,-1,1,1", "-scene_body_1", "circle,0,0,0.9", "-scene_body_1_around", "-n", "16"],
+    ([*SCENE, "-scene_box", "-1,-1,1,1", "-scene_domain", "circle,0,0,0.9", "-n", "16"],
      math.pi * 0.81, 0),
     ([*SCENE, *FILLED, "-scene_filled_1", "box,0,0,1,0.75", "-n", "16"], 0.75, 1),
     ([*SCENE, *FILLED, "-scene_filled_1", "circle,1,0.2,0.3", "-n", "24"],

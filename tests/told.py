@@ -25,8 +25,8 @@ RUNS = [*((line, f"-scheme wcsph {wrong}", f"-scheme wcsph {right}") for line, w
         (r"unevenness \S+, should be at most 0.15: ", f"{STRAINED} -cfl 3", STRAINED)]
 # Balances. A drop that no force acts on must not move; the torques on two cylinders are opposite, which stiff plastics miss.
 PAIR = "-case scene -scene_box 0,0,3,3 -scene_filled_1 circle,1.3,1.5,0.35 -scene_filled_2 circle,1.6,1.5,0.35 -n 16 -t_end 1"
-RINGS = ("-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_body_1 circle,0,0,0.5 -scene_body_1_around -scene_body_2 "
-         "circle,0,0,0.25 -scene_body_2_rotation 1 -viscosity 1 -without convection -n 20 -scheme coupled -steady")
+RINGS = ("-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_domain circle,0,0,0.5 -scene_body_1 "
+         "circle,0,0,0.25 -scene_body_1_rotation 1 -viscosity 1 -without convection -n 20 -scheme coupled -steady")
 DUCT = ("-case scene -scene_box 0,0,2,1 -scene_inflow left -scene_outflow right -scene_wall_left_velocity 6*y*(1-y),0 "
         "-viscosity 0.1 -motion eulerian -t_end 1")
 RUNS += [

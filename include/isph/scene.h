@@ -30,6 +30,7 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 #define KIND_NAME        32 /* size of the name of a kind of boundaries, with a comma */
 #define SCENE_MAX_FLUIDS 8
 #define SCENE_MAX_FILLED 16
+#define SCENE_MAX_PARTS  16
 #define SCENE_ON_SURFACE 1e-9 /* rounding of distances from a surface [dx] */
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
@@ -103,6 +104,12 @@ typedef struct {
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
   Body               hole; /* the same in 3D, in the axes along the side; without shape: all */
 } Boundary;
+
+/* A part of the surface of the domain: inside a shape, with a velocity of its own. */
+typedef struct {
+  Body       shape;
+  Expression velocity; /* function of place and t [m/s] */
+} SurfacePart;
 
 /* A tangent plane of a boundary at its point nearest to a position x. */
 typedef struct {
@@ -237,20 +244,22 @@ struct Scene {
   Expression       exact;      /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
   Expression       force;      /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
-  Boundary  *boundary;
-  PetscInt   n_bodies, boundary_capacity;
-  Pose      *pose;                     /* of each body; NULL: all stay as typed */
-  BodyStore  store;                    /* memory of shapes */
-  Expression nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
-  Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
-  PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
-  PetscInt   n_regions;
-  Body       filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
-  PetscInt   n_filled;                 /* 0: the fluid fills the box */
-  Rheology   rheology;
-  PetscReal  jitter;         /* largest random displacement at the start [dx] */
-  PetscInt   seed;           /* of the jitter, of the first shift, of random fields */
-  PetscReal  solid_fraction; /* of an array of bodies [-] */
+  Boundary   *boundary;
+  PetscInt    n_bodies, boundary_capacity;
+  Pose       *pose;                  /* of each body; NULL: all stay as typed */
+  SurfacePart part[SCENE_MAX_PARTS]; /* of the surface of the domain */
+  PetscInt    n_parts;
+  BodyStore   store;                    /* memory of shapes */
+  Expression  nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
+  Body        region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
+  PetscReal   region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
+  PetscInt    n_regions;
+  Body        filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
+  PetscInt    n_filled;                 /* 0: the fluid fills the box */
+  Rheology    rheology;
+  PetscReal   jitter;         /* largest random displacement at the start [dx] */
+  PetscInt    seed;           /* of the jitter, of the first shift, of random fields */
+  PetscReal   solid_fraction; /* of an array of bodies [-] */
   /* numbers of an exact solution that do not depend on place and time; the case computes them in
      its Setup */
   PetscComplex solution[SCENE_SOLUTION];
@@ -266,21 +275,25 @@ typedef struct {
   PetscReal *x, *normal; /* dim values of each [m] */
 } InterfacePoints;
 
-extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, FreeBodyOptions,
+extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BodyOptions, FreeBodyOptions,
     BoundaryOptions, OpeningOptions, RheologyOptions, FrameOptions;
 
-PetscErrorCode SceneReadTyped(Scene *scene);
-PetscInt       SceneFluids(const Scene *scene);
-PetscInt       SceneFluidAt(const Scene *scene, const PetscReal x[]);
-PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points);
-PetscErrorCode InterfacePointsDestroy(InterfacePoints *points);
+PetscErrorCode     SceneReadTyped(Scene *scene);
+PetscErrorCode     SceneReadBodies(PetscBool boxed, Scene *scene);
+const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[]);
+PetscInt           SceneFluids(const Scene *scene);
+PetscInt           SceneFluidAt(const Scene *scene, const PetscReal x[]);
+PetscErrorCode     InterfacePointsCreate(const Scene *scene, InterfacePoints *points);
+PetscErrorCode     InterfacePointsDestroy(InterfacePoints *points);
 PetscReal SceneInterface(const Scene *scene, const InterfacePoints *points, const PetscReal x[],
                          PetscReal most, PetscReal normal[]);
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[]);
 PetscReal SceneFluidViscosity(const Scene *scene, PetscInt fluid, const PetscReal x[]);
 PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
-PetscErrorCode SceneCheckGaps(const Scene *scene);
+PetscErrorCode SceneCheckBodies(const Scene *scene);
+PetscErrorCode SceneCheckMoved(const Scene *scene, PetscReal t, PetscReal depth);
+PetscReal      SceneNarrowestGap(const Scene *scene, PetscInt between[2], PetscReal x[]);
 PetscErrorCode SceneCheckInflow(Scene *scene, PetscReal t);
 PetscErrorCode SceneCheckVelocities(Scene *scene, PetscReal t);
 void           SceneDropFullRegions(Scene *scene);
@@ -417,9 +430,10 @@ PetscReal       SceneFilledDistance(const Scene *scene, PetscInt region, const P
 PetscBool       SceneHasFreeSurface(const Scene *scene);
 void            SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                                 WallPlane planes[WALL_PLANES], PetscInt *count);
-PetscBool       SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
-void SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
-                PetscReal *volume);
-void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[]);
+PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, const PetscReal x[]);
+PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
+void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
+                     PetscReal *volume);
+void      SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[]);
 
 #endif

@@ -119,13 +119,9 @@ static PetscBool KeepParts(PetscInt k, PetscInt parts, const PetscReal x[], cons
 static PetscBool IsBuried(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM];
+  PetscInt  nearest;
 
-  if (side >= 0 && SceneIsBuried(scene, side, x)) return PETSC_TRUE;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    if (SceneBodySide(scene, k) == side) continue;
-    if (BodyDistanceWithin(scene, SceneBody(scene, k), x, 0.0, normal) < 0.0) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
+  return side < 0 ? SceneDistance(scene, x, &nearest, normal) < 0.0 : SceneIsBuried(scene, side, x);
 }
 
 /* Returns true if x is within a distance of a boundary other than `side`. */

@@ -6,6 +6,7 @@
 #include "isph/io.h"
 
 #define BANNER_LABEL "%-11s "
+#define NARROW       2.0  /* gap from which on particles are in it [spacings] */
 #define SURPLUS      1e-5 /* part of a flow: less of it is no news */
 
 /* Returns the largest factor of the velocity of graded particles, SceneMotionFactor() [-]. */
@@ -130,6 +131,25 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
         "thin", k + 1, (double)(thin / scene->dx), ScenePlaceText(scene, place, text),
         (double)(reach / scene->dx)));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Says which gap is too narrow for particles in it. */
+static PetscErrorCode BannerGap(const Scene *scene, PetscViewer viewer)
+{
+  PetscInt  between[2];
+  PetscReal x[ISPH_MAX_DIM], gap;
+  char      name[2][WALL_NAME], place[PLACE_TEXT];
+
+  PetscFunctionBegin;
+  gap = SceneNarrowestGap(scene, between, x);
+  if (gap >= NARROW) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 2; k++) SceneWallName(scene, between[k], name[k]);
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   BANNER_LABEL "%.2g dx between %s and %s at (%s); the flow in "
+                                                "gaps below %.2g dx is not resolved\n",
+                                   "gap", (double)gap, name[0], name[1],
+                                   ScenePlaceText(scene, x, place), NARROW));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -314,6 +334,7 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
     PetscCall(PetscViewerASCIIPrintf(
         viewer, BANNER_LABEL "a layer of particles before the dummies\n", "on the wall"));
   PetscCall(BannerThinBodies(flow, viewer));
+  PetscCall(BannerGap(flow->scene, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

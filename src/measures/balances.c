@@ -11,6 +11,9 @@
 #include "isph/balance.h"
 #include "monitors.h"
 
+#define BESIDE 0.51 /* places beside the middle of a facet [its width] */
+#define JUMP   0.5  /* of the velocity between them that is no rotation, in their larger one [-] */
+
 enum { FORCE, TORQUE };
 
 /* Sums over all boundaries and the fluid. */
@@ -212,15 +215,56 @@ static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
   }
 }
 
-/* Adds the difference of forces on a body by momentum and by tractions, and that of torques. */
-static PetscErrorCode AddDifference(const Flow *flow, PetscInt side, Ledger *l)
+/* Computes the forces that are not known where the velocity jumps along the surface of a body, as
+   AddEdge(): at ends of a part with its own velocity, and where another boundary meets it. */
+static void FindJumps(const Scene *scene, PetscReal t, const Facets *s, const Ledger *l,
+                      PetscReal unknown[2])
 {
-  PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS];
+  const PetscInt dim = s->dim;
+
+  for (PetscInt k = 0; k < s->n; k++) {
+    const PetscReal *x = &s->x[k * dim], size = dim == 2 ? s->area[k] : PetscSqrtReal(s->area[k]);
+    PetscReal        tangent[2][ISPH_MAX_DIM], arm = 0.0;
+
+    (void)SurfaceTangents(dim, &s->normal[k * dim], tangent);
+    for (PetscInt a = 0; a < dim; a++) arm += PetscSqr(x[a] - l->middle[a]);
+    for (PetscInt m = 0; m < dim - 1; m++) {
+      PetscReal u[2][ISPH_MAX_DIM], J = 0.0, most = 0.0;
+
+      for (PetscInt end = 0; end < 2; end++) {
+        PetscReal y[ISPH_MAX_DIM] = {0.0}, square = 0.0;
+        PetscInt  side;
+
+        for (PetscInt a = 0; a < dim; a++)
+          y[a] = x[a] + (end ? BESIDE : -BESIDE) * size * tangent[m][a];
+        (void)SceneDistanceTo(scene, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP, y, &side);
+        SceneWallVelocity(scene, side, t, y, u[end]);
+        for (PetscInt a = 0; a < dim; a++) square += PetscSqr(u[end][a]);
+        most = PetscMax(most, square);
+      }
+      for (PetscInt a = 0; a < dim; a++) J += PetscSqr(u[0][a] - u[1][a]);
+      if (J <= PetscSqr(JUMP) * most) continue;
+      J = 2.0 * scene->rho * scene->nu_high * PetscSqrtReal(J) * (dim == 3 ? size : 1.0);
+      unknown[FORCE] += J;
+      unknown[TORQUE] += J * PetscSqrtReal(arm);
+    }
+  }
+}
+
+/* Adds the difference of forces on a body by momentum and by tractions, and that of torques, less
+   what is not known. */
+static PetscErrorCode AddDifference(const Flow *flow, PetscInt side, const Facets *s, Ledger *l)
+{
+  PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS], unknown[2] = {0.0};
 
   PetscFunctionBegin;
+  FindJumps(flow->scene, flow->clock->t, s, l, unknown);
   PetscCall(WallForce(flow, side, force));
   ForceParts(force, part);
-  for (PetscInt k = 0; k < 2; k++) l->error[k] += part[k];
+  for (PetscInt k = 0; k < 2; k++) {
+    l->error[k] += PetscMax(part[k] - unknown[k], 0.0);
+    l->unknown[k] += unknown[k];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -304,7 +348,8 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
       continue;
     PetscCall(LoadsOf(flow, side, &of[side], &l));
-    if (BoundaryBody(scene, side) && !flow->ops->free) PetscCall(AddDifference(flow, side, &l));
+    if (BoundaryBody(scene, side) && !flow->ops->free)
+      PetscCall(AddDifference(flow, side, &of[side].s, &l));
   }
   SetMass(flow, &l);
   for (PetscInt side = 0; side < n; side++) {

@@ -4,7 +4,8 @@
 */
 #include "isph/motion.h"
 
-#define NODES 3 /* of the rule of Gauss in a step */
+#define NODES 3   /* of the rule of Gauss in a step */
+#define DEPTH 0.5 /* to which a body may enter another one [dx] */
 
 static const PetscReal gauss[NODES][2] = {
     {0.1127016653792583, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.8872983346207417, 5.0 / 18.0}};
@@ -55,7 +56,8 @@ static void MoveWalls(const Scene *scene, const Pose before[], Particles *p)
   }
 }
 
-/* BodiesMove - Moves bodies, and their wall particles, to the end of the step; collective */
+/* BodiesMove - Moves bodies, and their wall particles, to the end of the step; refuses bodies that
+   overlap there; collective */
 PetscErrorCode BodiesMove(Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -71,6 +73,7 @@ PetscErrorCode BodiesMove(Flow *flow)
     else if (scene->boundary[side].moves)
       Advance(scene, side, flow->clock->t, flow->clock->dt, &scene->pose[k]);
   }
+  PetscCall(SceneCheckMoved(scene, flow->clock->t + flow->clock->dt, DEPTH * scene->dx));
   MoveWalls(scene, before, flow->particles);
   PetscCall(ParticlesHaloComponents(flow->particles, flow->particles->normal));
   PetscCall(PetscFree(before));

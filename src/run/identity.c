@@ -161,10 +161,11 @@ static PetscErrorCode SceneShapes(const Scene *scene, double value[])
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    char option[64];
+    char option[64], name[WALL_NAME];
 
     SumShape(SceneBody(scene, k), &sum);
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_place", k + 1));
+    SceneWallName(scene, SceneBodySide(scene, k), name);
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_%s_place", name));
     if (SceneBody(scene, k)->pose) PetscCall(SumOption(option, &sum));
   }
   for (PetscInt k = 0; k < scene->n_filled; k++) SumShape(&scene->filled[k], &sum);

@@ -4,13 +4,8 @@
   2 axis + (0 low, 1 high); the bodies follow.
 */
 #include "isph/scene.h"
-#include <stdint.h>
 
-#define SAMPLES    64 /* times at which an expression is evaluated in a window */
-#define PER_PERIOD 16 /* least number of samples in a period */
-#define NARROWINGS 10 /* largest number of times that the window shrinks by NARROWER */
-#define NARROWER   4.0
-#define PLACES     3 /* positions at which an expression of position is evaluated */
+#define SURFACE_STEP 1e-4 /* along a surface, for its curvature [dx] */
 
 const BoundaryRow BoundaryWall = {
     .name       = "wall",
@@ -161,13 +156,14 @@ Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
   return BoundaryEquation(scene, side, normal ? FIT_VELOCITY_NORMAL : FIT_VELOCITY_TANGENTIAL);
 }
 
-/* SceneWallName - Writes the name of a boundary, such as "left" or "body_1", to an array of
-   WALL_NAME characters; not collective */
+/* SceneWallName - Writes the name of a boundary, such as "left", "body_1" or "domain", to an array
+   of WALL_NAME characters; not collective */
 void SceneWallName(const Scene *scene, PetscInt side, char name[])
 {
   const PetscInt body = side - SceneBodySide(scene, 0);
 
   if (body < 0) (void)snprintf(name, WALL_NAME, "%s", BoxSides[side]);
+  else if (BoundaryBody(scene, side)->around) (void)snprintf(name, WALL_NAME, "domain");
   else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
 }
 
@@ -318,12 +314,70 @@ void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], P
   }
 }
 
+/* A place beside a part of the surface of the domain. */
+typedef struct {
+  PetscReal distance, normal[ISPH_MAX_DIM]; /* from the surface, into the fluid [m] */
+  PetscReal u[ISPH_MAX_DIM], speed;         /* of the surface, along it [m/s] */
+  PetscReal bend;                           /* t.(t.grad) n with t = u/|u| [1/m] */
+} PartPlace;
+
+/* ScenePart - Returns the last part of the surface of the domain that has x, NULL if none has it;
+   not collective */
+const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[])
+{
+  const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
+  PetscReal       normal[ISPH_MAX_DIM];
+
+  for (PetscInt k = scene->n_parts - 1; k >= 0; k--)
+    if (BodyWithin(&scene->part[k].shape, x, slack, normal) <= slack) return &scene->part[k];
+  return NULL;
+}
+
+/* Computes the motion of the part of a surface that is nearest to x; returns false if it is none.
+   The component of the typed velocity through the surface is left out. */
+static PetscBool FindPart(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                          PartPlace *at)
+{
+  const Body        *body    = BoundaryBody(scene, side);
+  const PetscReal    step    = SURFACE_STEP * scene->dx;
+  PetscReal          through = 0.0, foot[ISPH_MAX_DIM] = {0.0};
+  const SurfacePart *part;
+
+  if (!scene->n_parts || !body || !body->around) return PETSC_FALSE;
+  *at          = (PartPlace){.speed = 0.0};
+  at->distance = BodyDistance(scene, body, x, at->normal);
+  for (PetscInt c = 0; c < scene->dim; c++) foot[c] = x[c] - at->distance * at->normal[c];
+  part = ScenePart(scene, foot);
+  if (!part) return PETSC_FALSE;
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    at->u[c] = ExpressionValue(&part->velocity, c, t, foot);
+    through += at->u[c] * at->normal[c];
+  }
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    at->u[c] -= through * at->normal[c];
+    at->speed += PetscSqr(at->u[c]);
+  }
+  at->speed = PetscSqrtReal(at->speed);
+  for (PetscInt end = 0; end < 2 && at->speed > 0.0; end++) {
+    PetscReal y[ISPH_MAX_DIM] = {0.0}, n[ISPH_MAX_DIM];
+
+    for (PetscInt c = 0; c < scene->dim; c++)
+      y[c] = foot[c] + (end ? step : -step) * at->u[c] / at->speed;
+    (void)BodyDistance(scene, body, y, n);
+    for (PetscInt c = 0; c < scene->dim; c++)
+      at->bend += (end ? 0.5 : -0.5) * n[c] * at->u[c] / (at->speed * step);
+  }
+  return PETSC_TRUE;
+}
+
 /*
   SceneWallVelocity - Computes the velocity of a boundary at a point of its surface [m/s]
 
     u = V(t) + w(t) x (x - X)   for a body with centre X,   V(t, x) for a side of the box
+    u = V(t, x) (1 + d b)       for a part of the surface of the domain
 
-  Not collective. In a turning frame V of a side is turned into its axes. A case may define the
+  Not collective. Beside a part of the surface, at a distance d with the curvature b, the velocity is
+  that of a solid that follows the surface. In a turning frame V of a side is turned into its axes. A case may define the
   velocities of the sides by a function. An inflow is at rest outside its opening; in it the normal
   velocity is (1 -+ surplus) V, - where it enters, so that no more enters than leaves, see
   SceneCheckInflow().
@@ -335,7 +389,12 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   const Body      *body     = BoundaryBody(scene, side);
   PetscReal        r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], y[ISPH_MAX_DIM];
   const PetscReal *place;
+  PartPlace        at;
 
+  if (FindPart(scene, side, t, x, &at)) {
+    for (PetscInt c = 0; c < scene->dim; c++) u[c] = at.u[c] * (1.0 + at.distance * at.bend);
+    return;
+  }
   if (body) {
     BodyMotion(scene, side, t, V, w);
     BodyArm(scene, body, x, r);
@@ -399,7 +458,8 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
 
   The last term is absent without convection, because the equation of the fluid then has no
   u.grad u either. For a side of the box the result is the normal component of dV/dt, because the
-  pressure does not depend on tangential acceleration. Not collective. Derivatives are centred
+  pressure does not depend on tangential acceleration; a part of the surface of the domain has
+  n.(u.grad) u = -u.(u.grad) n. Not collective. Derivatives are centred
   differences (ExpressionRate()) over 2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
@@ -409,11 +469,17 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   const Body     *body     = BoundaryBody(scene, side);
   const PetscReal tau      = scene->length / scene->speed;
   PetscReal r[ISPH_MAX_DIM], V[ISPH_MAX_DIM], w[ISPH_MAX_DIM], dw[ISPH_MAX_DIM], y[ISPH_MAX_DIM];
+  PartPlace at;
 
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (!body) {
     a[side / 2] =
         ExpressionRate(&boundary->velocity, side / 2, t, SceneLaboratoryPlace(scene, t, x, y), tau);
+    return;
+  }
+  if (FindPart(scene, side, t, x, &at)) {
+    for (PetscInt c = 0; c < scene->dim && SceneHas(scene, PHYSICS_CONVECTION); c++)
+      a[c] = -PetscSqr(at.speed) * at.bend * at.normal[c];
     return;
   }
   BodyMotion(scene, side, t, V, w);
@@ -506,95 +572,4 @@ PetscReal SceneDecayRate(const Scene *scene)
       width = PetscMin(width, scene->hi[a] - scene->lo[a]);
   }
   return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
-}
-
-/* Returns time k of the samples of a window. They are at random places in equal parts of it,
-   because regular samples could be in step with the expression. */
-static PetscReal SampleTime(PetscReal t, PetscReal window, PetscInt k)
-{
-  const uint32_t mixed = ((uint32_t)k + 1u) * 2654435761u;
-  const uint32_t bits  = (mixed ^ mixed >> 15) * 2246822519u;
-
-  return t + window * (k + (PetscReal)(bits ^ bits >> 13) / 4294967296.0) / SAMPLES;
-}
-
-/* Sets position k at which expressions of position are evaluated, inside the box. */
-static void SamplePlace(const Scene *scene, PetscInt k, PetscReal x[])
-{
-  const PetscReal share[PLACES][ISPH_MAX_DIM] = {
-      {0.5, 0.5, 0.5}, {0.23, 0.71, 0.37}, {0.83, 0.19, 0.61}};
-
-  for (PetscInt a = 0; a < scene->dim; a++)
-    x[a] = scene->lo[a] + share[k][a] * (scene->hi[a] - scene->lo[a]);
-}
-
-/* Adds range and total variation of component c in a window to the sums; values that are not
-   finite are left out. */
-static void AddVariation(const Expression *e, PetscInt c, PetscReal t, PetscReal window,
-                         const PetscReal x[], PetscReal *range, PetscReal *variation)
-{
-  PetscReal low = PETSC_INFINITY, high = -PETSC_INFINITY, last = NAN;
-
-  for (PetscInt k = 0; k < SAMPLES; k++) {
-    const PetscReal value = ExpressionProbe(e, c, SampleTime(t, window, k), x);
-
-    if (PetscIsInfOrNanReal(value)) continue;
-    if (!PetscIsNanReal(last)) *variation += PetscAbsReal(value - last);
-    low  = PetscMin(low, value);
-    high = PetscMax(high, value);
-    last = value;
-  }
-  if (high > low) *range += high - low;
-}
-
-/*
-  Returns the period of an expression in the window [t, t + window]: twice the range of its values
-  over their total variation, times the window. Ranges up to `least` count as constant. The window
-  shrinks until a period has at least PER_PERIOD samples. Infinite if the window is shorter than a
-  period.
-*/
-static PetscReal ExpressionPeriod(const Scene *scene, const Expression *e, PetscReal t,
-                                  PetscReal window, PetscReal least)
-{
-  PetscReal periods = 0.0;
-
-  if (!ExpressionUses(e, EXPRESSION_TIME)) return PETSC_INFINITY;
-  for (PetscInt n = 0; n <= NARROWINGS; n++, window /= NARROWER) {
-    const PetscInt places = ExpressionUses(e, EXPRESSION_PLACE) ? PLACES : 1;
-    PetscReal      range = 0.0, variation = 0.0;
-
-    for (PetscInt k = 0; k < places; k++) {
-      PetscReal x[ISPH_MAX_DIM];
-
-      SamplePlace(scene, k, x);
-      for (PetscInt c = 0; c < e->n; c++) {
-        if (e->uses[c] & EXPRESSION_TIME) AddVariation(e, c, t, window, x, &range, &variation);
-      }
-    }
-    if (range <= least * places) return PETSC_INFINITY;
-    periods = 0.5 * variation / range;
-    if (periods * PER_PERIOD <= SAMPLES) break;
-  }
-  return periods >= 1.0 ? window / periods : PETSC_INFINITY;
-}
-
-/*
-  SceneDrivingPeriod - Returns the shortest period of the velocities of boundaries and of the body
-  force in the window [t, t + window], if it is shorter than the window; otherwise infinity [s]
-
-  Not collective; the same on all ranks. Only expressions are evaluated. Input: least - largest
-  change of a velocity, or of a force times the window, that counts as none [m/s].
-*/
-PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least)
-{
-  PetscReal period = ExpressionPeriod(scene, &scene->force, t, window, least / window);
-
-  for (PetscInt side = 0; side < SceneBoundaries(scene) && scene->unsteady_walls; side++) {
-    const Boundary *boundary = &scene->boundary[side];
-
-    period = PetscMin(period, ExpressionPeriod(scene, &boundary->velocity, t, window, least));
-    period = PetscMin(
-        period, ExpressionPeriod(scene, &boundary->rotation, t, window, least / scene->length));
-  }
-  return period;
 }

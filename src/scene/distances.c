@@ -4,6 +4,8 @@
 */
 #include "isph/scene.h"
 
+#define SAME_WAY 0.999 /* cosine of the angle between normals of two surfaces in one place */
+
 /*
   SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
   fluid [m]
@@ -131,6 +133,22 @@ static void AddPlane(const WallPlane *plane, WallPlane planes[WALL_PLANES], Pets
   planes[place] = *plane;
 }
 
+/* Sets the plane of a boundary within reach of x; returns false if it is farther. */
+static PetscBool PlaneOf(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal reach,
+                         WallPlane *plane)
+{
+  const Body *body = BoundaryBody(scene, side);
+
+  *plane = (WallPlane){.side = side};
+  if (body) {
+    plane->distance = BodyDistanceWithin(scene, body, x, reach, plane->normal);
+  } else {
+    plane->distance         = SceneSideDistance(scene, side, x);
+    plane->normal[side / 2] = side % 2 ? -1.0 : 1.0;
+  }
+  return plane->distance < reach ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
   SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x
 
@@ -151,17 +169,10 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
   *count = 0;
   if (!SceneHas(scene, PHYSICS_WALLS)) return;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    const Body *body  = BoundaryBody(scene, side);
-    WallPlane   plane = {.side = side};
+    WallPlane plane;
 
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    if (body) {
-      plane.distance = BodyDistanceWithin(scene, body, x, reach, plane.normal);
-    } else {
-      plane.distance         = SceneSideDistance(scene, side, x);
-      plane.normal[side / 2] = side % 2 ? -1.0 : 1.0;
-    }
-    if (plane.distance < reach) AddPlane(&plane, planes, count);
+    if (PlaneOf(scene, side, x, reach, &plane)) AddPlane(&plane, planes, count);
   }
 }
 
@@ -180,22 +191,29 @@ void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscRe
   }
 }
 
-/*
-  SceneIsBuried - Returns true if a point of the surface of a boundary is in the solid of another
-  one: beyond a side of the box, or in a body that stands on this side
-
-  Not collective. Such a point is no wall for the fluid. Sides without wall particles bury nothing.
-*/
-PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[])
+/* SceneBuries - Returns true if a point of the surface of a boundary is in the solid of another
+   one, or on its surface: where both have one normal the first one keeps the point. Sides without
+   wall particles bury nothing. Not collective. */
+PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, const PetscReal x[])
 {
   const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
-  PetscReal       normal[ISPH_MAX_DIM];
-  PetscInt        nearest;
+  PetscReal       along = 0.0;
+  WallPlane       own, plane;
 
-  if (!BoundaryBody(scene, boundary)) return SceneDistance(scene, x, &nearest, normal) <= slack;
-  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
-    if (BoundaryIs(scene, side, BOUNDARY_PARTICLES) && SceneSideDistance(scene, side, x) <= slack)
-      return PETSC_TRUE;
-  }
+  if (other == boundary || !BoundaryIs(scene, other, BOUNDARY_PARTICLES)) return PETSC_FALSE;
+  if (!BoundaryBody(scene, boundary) && !BoundaryBody(scene, other)) return PETSC_FALSE;
+  if (!PlaneOf(scene, other, x, slack, &plane)) return PETSC_FALSE;
+  if (plane.distance < -slack || other < boundary) return PETSC_TRUE;
+  (void)PlaneOf(scene, boundary, x, PETSC_INFINITY, &own);
+  for (PetscInt a = 0; a < scene->dim; a++) along += own.normal[a] * plane.normal[a];
+  return along < SAME_WAY ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* SceneIsBuried - Returns true if any boundary buries a point of the surface of a boundary, which
+   is then no wall for the fluid; not collective */
+PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[])
+{
+  for (PetscInt other = 0; other < SceneBoundaries(scene); other++)
+    if (SceneBuries(scene, other, boundary, x)) return PETSC_TRUE;
   return PETSC_FALSE;
 }

@@ -246,8 +246,6 @@ PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary)
     PetscCall(RefuseBound(k));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  UserCheck(!boundary->body.around, "%s: the solid around the fluid stays where it is",
-            name[given[1]]);
   UserCheck(SceneMoves(scene) || !SceneHas(scene, PHYSICS_CONVECTION),
             "%s: a free body moves with particles that move; use -motion lagrangian, or -without "
             "convection for the velocity of a body in its place",

@@ -410,7 +410,7 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
     s->cells[a] = SceneCellsAlong(s, a);
   }
   PetscCall(SceneReadSpacing(s));
-  if (s->problem->typed) PetscCall(SceneCheckGaps(s));
+  if (s->problem->typed) PetscCall(SceneCheckBodies(s));
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
   PetscCall(RegimeCreate(s, &s->regime));

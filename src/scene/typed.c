@@ -1,25 +1,10 @@
 /*
   Scenes typed on the command line: the box, its sides and bodies, velocities and a reference
-  solution. All options are checked before any particle exists.
+  solution. All options are checked before any particle exists. Bodies are in typedbodies.c.
 */
 #include "isph/scene.h"
 
-enum {
-  BOX,
-  WALL_VELOCITY,
-  BODY,
-  BODY_PLACE,
-  BODY_VELOCITY,
-  BODY_POSITION,
-  BODY_ROTATION,
-  BODY_AROUND,
-  FILLED,
-  FLUID,
-  FLUID_VISCOSITY,
-  VISCOSITY_FIELD,
-  START_VELOCITY,
-  EXACT
-};
+enum { BOX, WALL_VELOCITY, FILLED, FLUID, FLUID_VISCOSITY, VISCOSITY_FIELD, START_VELOCITY, EXACT };
 static const OptionRow options[] = {
     [BOX] =
         {
@@ -39,72 +24,6 @@ static const OptionRow options[] = {
             .standard = "0; of an inflow that of -scene_exact; of an outflow none",
             .places   = BoxSides,
             .where    = "-case scene, sides that are walls, inflows or outflows",
-        },
-    [BODY] =
-        {
-            .name  = "-scene_body_<k>",
-            .kind  = VALUE_SHAPE,
-            .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
-                     "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or revolved,r0,z0,... about the "
-                     "axis z or, through the box along z, cylinder,cx,cy,r or prism,x0,y0,...; "
-                     "more shapes: -catalogue; shapes with ' + ', ' - ' or ' & ' between are "
-                     "added, cut away or intersected in their order; several bodies may be listed "
-                     "with semicolons; "
-                     "bodies are numbered 1, 2, ...",
-            .unit  = "m",
-            .table = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene",
-        },
-    [BODY_PLACE] =
-        {
-            .name     = "-scene_body_<k>_place",
-            .kind     = VALUE_REALS,
-            .brief    = "way of a body from where its shape was typed, and turn about its centre: "
-                        "dx,dy[,degrees]; in 3D dx,dy,dz[,ax,ay,az,degrees] about ax,ay,az",
-            .unit     = "m",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [BODY_VELOCITY] =
-        {
-            .name     = "-scene_body_<k>_velocity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] of a body, of t; the body moves if particles move, and "
-                        "else its surface alone has this velocity",
-            .unit     = "m/s",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [BODY_POSITION] =
-        {
-            .name  = "-scene_body_<k>_position",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "position x,y[,z] of the centre of a body that moves, of t, in place of its "
-                     "velocity",
-            .unit  = "m",
-            .standard = "from the shape and the velocity",
-            .where    = "-case scene, bodies that are given, particles that move",
-        },
-    [BODY_ROTATION] =
-        {
-            .name  = "-scene_body_<k>_rotation",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "rotation rate of a body about its centre, of t: about z, in 3D also about x, "
-                     "y, z",
-            .unit  = "rad/s",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [BODY_AROUND] =
-        {
-            .name = "-scene_body_<k>_around",
-            .kind = VALUE_SWITCH,
-            .brief =
-                "the fluid is inside the body; the sides of the box beyond it are then no walls",
-            .standard = "false",
-            .table    = &BoundaryTable,
-            .where    = "-case scene, bodies that are given",
         },
     [FILLED] =
         {
@@ -169,198 +88,6 @@ static const OptionRow options[] = {
         },
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
-
-/* Returns true if component c of an expression of t is not zero and keeps its value, 1+0*t. */
-static PetscBool IsSteady(const Scene *scene, const Expression *e, PetscInt c)
-{
-  const PetscReal first = ExpressionValue(e, c, 0.0, NULL);
-
-  for (PetscInt k = 1; k < 8; k++) {
-    if (ExpressionValue(e, c, 0.37 * k * scene->length / scene->speed, NULL) != first)
-      return PETSC_FALSE;
-  }
-  return first != 0.0;
-}
-
-/* Returns true if a component of an expression of t is not always zero. */
-static PetscBool IsGiven(const Expression *e)
-{
-  for (PetscInt c = 0; c < e->n; c++)
-    if (e->uses[c] || e->value[c] != 0.0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* Refuses a steady motion of a body beside particles that stay where they are: it would carry fluid
-   through the surface. A motion that depends on t may be small compared with the body. */
-static PetscErrorCode CheckSurfaceMotion(const Scene *scene, const Boundary *boundary)
-{
-  const Expression *v = &boundary->velocity, *w = &boundary->rotation;
-
-  PetscFunctionBegin;
-  if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < scene->dim; a++)
-    UserCheck(!IsSteady(scene, v, a),
-              "%s with -motion %s: particles stay where they are, and the body with them; a steady "
-              "velocity would carry fluid through its surface; use -motion lagrangian",
-              v->option, scene->motion->name);
-  for (PetscInt c = 0; c < w->n; c++)
-    UserCheck(
-        boundary->body.shape->round || !IsSteady(scene, w, c),
-        "%s with -motion %s: particles stay where they are, and a %s with them; a steady "
-        "rotation would carry fluid through its surface; use -motion lagrangian, or frame in a "
-        "round vessel",
-        w->option, scene->motion->name, boundary->body.shape->name);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns true if the motion of a body changes its place or attitude. */
-static PetscBool ChangesPlace(const Boundary *boundary)
-{
-  const PetscBool turns = boundary->rotation.n > 1 || !boundary->body.shape->round;
-
-  return boundary->position.n || IsGiven(&boundary->velocity) ||
-         (turns && IsGiven(&boundary->rotation));
-}
-
-/* Reads the motion of body k. Bodies move with particles that move; else their surfaces alone. */
-static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundary)
-{
-  const PetscInt axes = scene->dim == 3 ? 3 : 1;
-  char           name[OPTION_LENGTH];
-  PetscBool      given, placed;
-  OptionRow      row;
-
-  PetscFunctionBegin;
-  OptionNumber(&options[BODY_VELOCITY], k, name, &row);
-  PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME,
-                          &boundary->velocity, &given));
-  OptionNumber(&options[BODY_POSITION], k, name, &row);
-  PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME,
-                          &boundary->position, &placed));
-  UserCheck(!given || !placed, "%s and %s: one follows from the other; give one of them",
-            boundary->velocity.option, name);
-  UserCheck(!placed || SceneMoves(scene),
-            "%s: particles stay where they are, and bodies with them; use -motion lagrangian and "
-            "convection",
-            name);
-  OptionNumber(&options[BODY_ROTATION], k, name, &row);
-  PetscCall(ExpressionGet(scene->scope, &row, 1, axes, EXPRESSION_TIME, &boundary->rotation, NULL));
-  UserCheck(boundary->rotation.n != 2, "%s: one rate about z, or three about x, y, z", name);
-  PetscCall(SceneReadMotionFile(scene, k, boundary));
-  if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
-      ExpressionUses(&boundary->position, EXPRESSION_TIME) ||
-      ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
-    scene->unsteady_walls = PETSC_TRUE;
-  PetscCall(SceneReadFreedom(scene, k, boundary));
-  boundary->moves = SceneMoves(scene) && (ChangesPlace(boundary) || boundary->free);
-  if (!boundary->moves && !(scene->motion && scene->motion->turns))
-    PetscCall(CheckSurfaceMotion(scene, boundary));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Moves and turns body k to its place. */
-static PetscErrorCode ReadPlace(PetscInt k, Scene *scene, Body *body)
-{
-  PetscReal number[7] = {0.0}, axis[ISPH_MAX_DIM] = {0.0, 0.0, 1.0}, length = 0.0;
-  PetscInt  n;
-  PetscBool given;
-  char      name[OPTION_LENGTH];
-  OptionRow row;
-  Pose     *pose;
-
-  PetscFunctionBegin;
-  OptionNumber(&options[BODY_PLACE], k, name, &row);
-  PetscCall(OptionGetReals(&row, 7, number, &n, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(n == scene->dim || n == (scene->dim == 2 ? 3 : 7),
-            "%s: it has %" PetscInt_FMT " numbers; way and turn are dx,dy[,degrees], in 3D "
-            "dx,dy,dz[,ax,ay,az,degrees]",
-            name, n);
-  for (PetscInt a = 0; a < 3 && n == 7; a++) axis[a] = number[3 + a];
-  for (PetscInt a = 0; a < 3; a++) length += PetscSqr(axis[a]);
-  UserCheck(length > 0.0, "%s: the axis 0,0,0 has no direction", name);
-  UserCheck(!BodyReachesThrough(body, 2) ||
-                (axis[0] == 0.0 && axis[1] == 0.0 && (scene->dim == 2 || number[2] == 0.0)),
-            "%s: a %s that reaches through the box stays along z", name, body->shape->name);
-  PetscCall(PetscNew(&pose));
-  PetscCall(BodyStoreAdd(pose, body->store));
-  PoseStart(body, pose);
-  for (PetscInt a = 0; a < scene->dim; a++) pose->x[a] += number[a];
-  for (PetscInt a = 0; a < 3; a++)
-    axis[a] *= number[scene->dim == 2 ? 2 : 6] * PETSC_PI / 180.0 / PetscSqrtReal(length);
-  PoseRotate(axis, pose);
-  body->pose = pose;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Gives the bodies poses, if one of them moves. */
-static PetscErrorCode CreatePoses(Scene *scene)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    Boundary *boundary = &scene->boundary[SceneBodySide(scene, k)];
-
-    if (!boundary->moves && !boundary->free) continue;
-    if (!scene->pose) PetscCall(PetscCalloc1(scene->n_bodies, &scene->pose));
-    if (boundary->body.pose) scene->pose[k] = *boundary->body.pose; /* that of its place */
-    else PoseStart(&boundary->body, &scene->pose[k]);
-    boundary->body.pose = &scene->pose[k];
-    BodyGivenPose(scene, SceneBodySide(scene, k), 0.0, &scene->pose[k]);
-    BodyGivenMotion(scene, SceneBodySide(scene, k), 0.0, scene->pose[k].u, scene->pose[k].spin);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds body k, with all that is given of it. */
-static PetscErrorCode AddBody(PetscInt k, const Body *body, Scene *scene)
-{
-  Boundary *boundary = SceneAddBody(scene);
-  char      name[OPTION_LENGTH];
-  OptionRow row;
-
-  PetscFunctionBegin;
-  boundary->body = *body;
-  PetscCall(ReadPlace(k, scene, &boundary->body));
-  OptionNumber(&options[BODY_AROUND], k, name, &row);
-  PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
-  PetscCall(ReadBodyMotion(k, scene, boundary));
-  for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
-    const BoundaryRow *kind = scene->boundary[side].kind;
-
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    if (BodyReachesThrough(&boundary->body, side / 2)) continue;
-    UserCheck(kind == &BoundaryWall,
-              "%s: the sides of the box are then in the solid, which "
-              "excludes %s",
-              name, kind->option.name);
-    SceneSetSide(scene, side, &BoundaryNone);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads bodies 1, 2, ...; an option may list several, which are numbered on. */
-static PetscErrorCode ReadBodies(Scene *scene)
-{
-  PetscInt  first = 1, place = 0; /* the option, and the shape in its list */
-  PetscBool given = PETSC_TRUE;
-
-  PetscFunctionBegin;
-  while (given || place) {
-    Body body;
-
-    if (!given) {
-      first = scene->n_bodies + 1;
-      place = 0;
-    }
-    PetscCall(ShapeRead(scene, &options[BODY], first, place, &body, &given));
-    if (!given) continue;
-    PetscCall(AddBody(scene->n_bodies + 1, &body, scene));
-    place++;
-  }
-  PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, 0));
-  PetscCall(CreatePoses(scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Reads the kinds of the sides of the box from the options in BoundaryTable; default: wall. */
 static PetscErrorCode ReadKinds(Scene *scene)
@@ -488,6 +215,18 @@ static PetscErrorCode ReadFluids(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a box that has no room for particles. */
+static PetscErrorCode CheckWidth(const Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    UserCheck(scene->hi[a] - scene->lo[a] >= 4.0 * SceneCoarsest(scene),
+              "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
+              (double)(scene->hi[a] - scene->lo[a]), BoxAxes[a],
+              (double)(4.0 * SceneCoarsest(scene)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SceneReadTyped - Reads the scene of -case scene
 
@@ -505,7 +244,9 @@ static PetscErrorCode ReadFluids(Scene *scene)
 . -scene_body_<k>_velocity u,v     - velocity of the body, or of its surface [m/s] (t)
 . -scene_body_<k>_position x,y     - position of its centre, in place of the velocity [m] (t)
 . -scene_body_<k>_rotation w       - angular velocity about its centre [rad/s] (t)
-. -scene_body_<k>_around           - the fluid is inside the body; sides beyond it are no walls
+. -scene_domain shape,...          - the fluid is inside this shape, with _place, _velocity,
+                                     _position, _rotation as of a body
+. -scene_part_<k> shape,...        - part of the surface of the domain, with a _velocity
 . -scene_filled_<k> shape,...      - region that the fluid fills at the start [m]
 . -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]
 . -scene_fluid_<k>_viscosity nu    - kinematic viscosity of this fluid [m^2/s]
@@ -518,7 +259,7 @@ static PetscErrorCode ReadFluids(Scene *scene)
   of each kind of boundary stands in its row of BoundaryTable. A periodic box without bodies has no
   walls, so the physics `walls` is off.
 
-  Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
+  Errors: wrong shapes, bodies outside the fluid, expressions with wrong
   syntax, and velocities through a surface end the run
 */
 PetscErrorCode SceneReadTyped(Scene *scene)
@@ -538,12 +279,11 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   for (PetscInt a = 0; a < dim; a++) {
     scene->lo[a] = box[a];
     scene->hi[a] = box[dim + a];
-    UserCheck(box[dim + a] - box[a] >= 4.0 * SceneCoarsest(scene),
-              "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[dim + a] - box[a]), BoxAxes[a], (double)(4.0 * SceneCoarsest(scene)));
   }
+  PetscCall(CheckWidth(scene));
   PetscCall(ReadKinds(scene));
-  PetscCall(ReadBodies(scene));
+  PetscCall(SceneReadBodies(given, scene));
+  PetscCall(CheckWidth(scene));
   PetscCall(ReadFields(scene));
   PetscCall(ReadSides(scene));
   PetscCall(SceneReadFrame(scene));

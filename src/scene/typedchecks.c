@@ -1,11 +1,10 @@
 /*
-  Checks of a typed scene before any particle exists: gaps between bodies, regions filled at the
+  Checks of a typed scene before any particle exists: contacts of bodies, regions filled at the
   start, the balance of inflow and outflow through the sides, and what stays in a turning frame.
 */
 #include "isph/scene.h"
 
 #define STIFF        3.0    /* ratio of viscosities */
-#define OPEN_CORNER  0.75   /* cosine of the least angle between a body and an opening */
 #define UNBALANCED   2e-3   /* largest part of a flow that enters and does not leave */
 #define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
 #define THROUGH      1e-6   /* normal part of a tangential velocity, by rounding [-] */
@@ -34,129 +33,170 @@ static const OptionRow options[] = {
 };
 const OptionTable FrameOptions = OPTIONS("Turning frame of reference", options);
 
-/* Checks the gap between a body and its own periodic image, from its extent along each axis. */
-static PetscErrorCode CheckImages(const Scene *scene)
+/* Refuses a body that overlaps its own periodic image, by its extent along each axis. */
+static PetscErrorCode CheckImages(const Scene *scene, PetscInt k)
 {
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      const Body *body = SceneBody(scene, k);
-      PetscReal   x[ISPH_MAX_DIM], span[2], gap, least;
+  const Body *body = SceneBody(scene, k);
 
-      if (BodyReachesThrough(body, a)) continue;
-      PetscCall(PetscArraycpy(x, body->centre, ISPH_MAX_DIM));
-      BodySpan(body, a, span);
-      x[a]  = span[1];
-      least = 4.0 * SceneSpacing(scene, x);
-      gap   = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
-      UserCheck(!SceneIsPeriodic(scene, a) || gap >= least,
-                "-scene_body_%" PetscInt_FMT
-                ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
-                "overlapping; use a larger -n",
-                k + 1, "xyz"[a], (double)gap, (double)least);
-    }
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscReal span[2], gap;
+
+    if (BodyReachesThrough(body, a) || !SceneIsPeriodic(scene, a)) continue;
+    BodySpan(body, a, span);
+    gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
+    UserCheck(gap > 0.0,
+              "-scene_body_%" PetscInt_FMT ": along %c it overlaps its periodic image by %.3g m; "
+              "use a larger -scene_box or a smaller body",
+              k + 1, "xyz"[a], (double)-gap);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a body stands on a side of the box or reaches beyond it. */
-static PetscBool StandsOn(const Scene *scene, const Body *body, PetscInt side)
+/* Returns true if two boundaries move as one solid at time t, seen at x. */
+static PetscBool MoveAlike(const Scene *scene, PetscInt side, PetscInt other, PetscReal t,
+                           const PetscReal x[])
 {
-  const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
-  PetscReal       span[2];
+  const PetscInt of[2]              = {side, other};
+  PetscReal      u[2][ISPH_MAX_DIM] = {{0.0}}, spin[2][ISPH_MAX_DIM] = {{0.0}}, apart = 0.0;
+  PetscBool      moves = PETSC_FALSE;
 
-  BodySpan(body, side / 2, span);
-  return side % 2 ? span[1] >= scene->hi[side / 2] - slack : span[0] <= scene->lo[side / 2] + slack;
-}
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscReal arm[ISPH_MAX_DIM], V[ISPH_MAX_DIM];
 
-/* Returns the gap between a point of the surface of a body and a side of the box. A body that
-   stands on the side has no gap at the corner between them; there the gap is the way from the point
-   to the side along the normal, which is short only in an acute corner. At openings such a corner
-   is no wedge of fluid at rest, and may be acute down to OPEN_CORNER. */
-static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, const PetscReal x[],
-                         const PetscReal normal[])
-{
-  const PetscInt  a       = side / 2;
-  const PetscReal gap     = SceneSideDistance(scene, side, x);
-  const PetscReal towards = side % 2 ? normal[a] : -normal[a];
-
-  if (!StandsOn(scene, body, side)) return gap;
-  if ((BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) &&
-      towards < OPEN_CORNER)
-    return PETSC_INFINITY;
-  return towards > PETSC_SMALL ? gap / towards : PETSC_INFINITY;
-}
-
-/* Computes the gap between point q of the surface of body k and the nearest other wall, negative in
-   it [m]; returns false for a point that is no wall for the fluid. Output: acute - the gap is that
-   of a corner with a side. */
-static PetscBool BodyGap(const Scene *scene, PetscInt k, PetscInt q, PetscReal x[], PetscReal *gap,
-                         PetscBool *acute)
-{
-  const Body *body = SceneBody(scene, k);
-  PetscReal   normal[ISPH_MAX_DIM], other[ISPH_MAX_DIM];
-
-  (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
-  if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) return PETSC_FALSE;
-  *gap   = PETSC_INFINITY;
-  *acute = PETSC_FALSE;
-  for (PetscInt m = 0; m < scene->n_bodies; m++)
-    if (m != k) *gap = PetscMin(*gap, BodyDistance(scene, SceneBody(scene, m), x, other));
-  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    const PetscReal to_side = SideGap(scene, body, side, x, normal);
-
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES) || to_side >= *gap) continue;
-    *gap   = to_side;
-    *acute = StandsOn(scene, body, side);
+    if (!scene->boundary[of[k]].moves) continue;
+    moves = PETSC_TRUE;
+    if (scene->boundary[of[k]].free) return PETSC_FALSE;
+    BodyMotion(scene, of[k], t, V, spin[k]);
+    BodyArm(scene, BoundaryBody(scene, of[k]), x, arm);
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+      u[k][a] =
+          V[a] + spin[k][(a + 1) % 3] * arm[(a + 2) % 3] - spin[k][(a + 2) % 3] * arm[(a + 1) % 3];
   }
-  return PETSC_TRUE;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    apart = PetscMax(apart, PetscAbsReal(u[0][a] - u[1][a]));
+    apart = PetscMax(apart, scene->length * PetscAbsReal(spin[0][a] - spin[1][a]));
+  }
+  return !moves || apart <= THROUGH * scene->speed ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns the distance of x from a boundary [m]. */
+static PetscReal DistanceOf(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  const Body *body = BoundaryBody(scene, side);
+  PetscReal   normal[ISPH_MAX_DIM];
+
+  return body ? BodyDistance(scene, body, x, normal) : SceneSideDistance(scene, side, x);
 }
 
 /*
-  SceneCheckGaps - Refuses bodies that overlap or leave gaps too narrow for least-squares fits
+  SceneCheckMoved - Refuses bodies that are more than `depth` > 0 in another boundary at time t, or
+  with depth 0 touch one, unless both move as one solid: wall particles that others bury are removed
+  at the start
 
-  Collective. A gap between surfaces, also through a periodic side, has 4 dx or more, with the
-  spacing at the surface in place of dx if it differs. Bodies may stand on sides of the box.
+  Collective. For scenes with bodies that move.
 */
-PetscErrorCode SceneCheckGaps(const Scene *scene)
+PetscErrorCode SceneCheckMoved(const Scene *scene, PetscReal t, PetscReal depth)
 {
+  const PetscInt first = SceneBodySide(scene, 0), all = SceneBoundaries(scene);
+
   PetscFunctionBegin;
-  PetscCall(CheckImages(scene));
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body  = SceneBody(scene, k);
-    PetscReal   worst = PETSC_INFINITY, least = 0.0, at[ISPH_MAX_DIM];
-    PetscBool   corner = PETSC_FALSE;
-    char        place[PLACE_TEXT];
+  for (PetscInt pair = first * all; pair < all * all; pair++) {
+    const PetscInt  side = pair / all, other = pair % all;
+    const Body     *body    = BoundaryBody(scene, side);
+    const PetscReal spacing = BodySpacing(scene, body);
+    char            name[2][WALL_NAME], place[PLACE_TEXT];
 
-    for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
-      PetscReal x[ISPH_MAX_DIM], gap;
-      PetscBool acute;
+    if (other == side || !BoundaryIs(scene, other, BOUNDARY_PARTICLES)) continue;
+    if (!scene->boundary[side].moves && !scene->boundary[other].moves) continue;
+    SceneWallName(scene, side, name[0]);
+    SceneWallName(scene, other, name[1]);
+    for (PetscInt q = 0; q < BodyPoints(body, spacing); q++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-      if (!BodyGap(scene, k, q, x, &gap, &acute)) continue;
-      if (gap >= 4.0 * SceneSpacing(scene, x) || gap >= worst) continue;
-      worst  = gap;
-      corner = acute;
-      least  = 4.0 * SceneSpacing(scene, x);
-      for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) at[a] = x[a];
+      (void)BodyPoint(body, q, spacing, x, normal);
+      if (depth > 0.0 ? DistanceOf(scene, other, x) >= -depth : !SceneBuries(scene, other, side, x))
+        continue;
+      UserCheck(MoveAlike(scene, side, other, t, x),
+                "-scene_%s: at t = %.3g s it is in %s at (%s), and they do not move as one solid; "
+                "let them stay apart, or give both one motion",
+                name[0], (double)t, name[1], ScenePlaceText(scene, x, place));
     }
-    UserCheck(
-        worst >= 0.0,
-        "-scene_body_%" PetscInt_FMT
-        ": at (%s) it overlaps another wall by %.3g, at any -n; type both as one shape, such as "
-        "a polygon, or leave a gap of 4 dx = %.3g",
-        k + 1, ScenePlaceText(scene, at, place), (double)-worst, (double)least);
-    UserCheck(
-        worst >= least || !corner,
-        "-scene_body_%" PetscInt_FMT
-        ": at (%s) it meets a side of the box at an acute angle, at any -n; move it, or close "
-        "the corner by another shape",
-        k + 1, ScenePlaceText(scene, at, place));
-    UserCheck(worst >= least,
-              "-scene_body_%" PetscInt_FMT
-              ": at (%s) it is %.3g from another wall; less than 4 dx = %.3g; use a larger -n",
-              k + 1, ScenePlaceText(scene, at, place), (double)worst, (double)least);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCheckBodies - Refuses bodies without a surface in the fluid, bodies that overlap their own
+  periodic images, and bodies that overlap and move apart
+
+  Collective. Bodies may touch and overlap each other, the domain and sides of the box: then they
+  are one solid for the fluid, see SceneIsBuried().
+*/
+PetscErrorCode SceneCheckBodies(const Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const PetscInt  side    = SceneBodySide(scene, k);
+    const Body     *body    = SceneBody(scene, k);
+    const PetscReal spacing = BodySpacing(scene, body);
+    PetscBool       wet     = PETSC_FALSE;
+    char            name[WALL_NAME];
+
+    if (!body->around) PetscCall(CheckImages(scene, k));
+    for (PetscInt q = 0; q < BodyPoints(body, spacing) && !wet; q++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+      (void)BodyPoint(body, q, spacing, x, normal);
+      wet = SceneIsBuried(scene, side, x) ? PETSC_FALSE : PETSC_TRUE;
+    }
+    SceneWallName(scene, side, name);
+    UserCheck(wet,
+              "-scene_%s: all of its surface is in other solids or outside the fluid; leave it "
+              "out or move it",
+              name);
+  }
+  if (scene->pose) PetscCall(SceneCheckMoved(scene, 0.0, 0.0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneNarrowestGap - Returns the least distance of a body from another boundary that it does not
+  touch, in spacings there; infinite if there is none
+
+  Not collective. Looks at points dx apart. Output: between - both boundaries; x - a point of the
+  first one.
+*/
+PetscReal SceneNarrowestGap(const Scene *scene, PetscInt between[2], PetscReal x[])
+{
+  PetscReal best = PETSC_INFINITY;
+
+  for (PetscInt side = SceneBodySide(scene, 0); side < SceneBoundaries(scene); side++) {
+    const Body     *body    = BoundaryBody(scene, side);
+    const PetscReal spacing = BodySpacing(scene, body);
+
+    for (PetscInt other = 0; other < SceneBoundaries(scene); other++) {
+      PetscReal least = PETSC_INFINITY, at[ISPH_MAX_DIM];
+
+      if (other == side || !BoundaryIs(scene, other, BOUNDARY_PARTICLES)) continue;
+      for (PetscInt q = 0; q < BodyPoints(body, spacing) && least > 0.0; q++) {
+        PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap;
+
+        (void)BodyPoint(body, q, spacing, y, normal);
+        gap = DistanceOf(scene, other, y);
+        gap = gap <= SCENE_ON_SURFACE * scene->dx ? 0.0 : gap / SceneSpacing(scene, y);
+        if (gap >= least || (gap > 0.0 && SceneIsBuried(scene, side, y))) continue;
+        least = gap;
+        (void)PetscArraycpy(at, y, ISPH_MAX_DIM);
+      }
+      if (least == 0.0 || least >= best) continue;
+      best       = least;
+      between[0] = side;
+      between[1] = other;
+      (void)PetscArraycpy(x, at, ISPH_MAX_DIM);
+    }
+  }
+  return best;
 }
 
 /*
@@ -331,23 +371,23 @@ static PetscErrorCode RideBody(Scene *scene, PetscInt k)
   const TurningFrame *frame    = scene->frame;
   Boundary           *boundary = &scene->boundary[SceneBodySide(scene, k)];
   PetscReal           off      = 0.0;
+  char                name[WALL_NAME];
 
   PetscFunctionBegin;
+  SceneWallName(scene, SceneBodySide(scene, k), name);
   UserCheck(!boundary->velocity.n && boundary->rotation.n <= 1,
-            "-scene_body_%" PetscInt_FMT
-            ": with -motion frame bodies turn about the axis of the frame and do "
-            "not travel; give one rate, -scene_body_%" PetscInt_FMT "_rotation",
-            k + 1, k + 1);
+            "-scene_%s: with -motion frame bodies turn about the axis of the frame and do not "
+            "travel; give one rate, -scene_%s_rotation",
+            name, name);
   boundary->rides = ThroughSurface(scene, k, frame->centre) > THROUGH ? PETSC_TRUE : PETSC_FALSE;
   if (!boundary->rides || !boundary->rotation.n) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < 2; a++)
     off = PetscMax(off, PetscAbsReal(boundary->body.centre[a] - frame->centre[a]));
   UserCheck(
       off <= THROUGH * scene->dx && AreSame(scene, &boundary->rotation, &frame->rate),
-      "-scene_body_%" PetscInt_FMT "_rotation: the body is not round about the axis of -motion "
-      "frame at (%.6g, %.6g), and turns with the frame; leave its rotation out, or use -motion "
-      "lagrangian",
-      k + 1, (double)frame->centre[0], (double)frame->centre[1]);
+      "-scene_%s_rotation: it is not round about the axis of -motion frame at (%.6g, %.6g), and "
+      "turns with the frame; leave its rotation out, or use -motion lagrangian",
+      name, (double)frame->centre[0], (double)frame->centre[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -358,11 +398,10 @@ static PetscErrorCode CheckFrameSides(Scene *scene)
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     const BoundaryRow *kind = scene->boundary[side].kind;
 
-    UserCheck(
-        side >= 4 || kind == &BoundaryNone,
-        "-motion frame: the %s side of the box is not round about the axis of the frame; put "
-        "the fluid inside a round body with -scene_body_<k>_around, or use -motion lagrangian",
-        BoxSides[side]);
+    UserCheck(side >= 4 || kind == &BoundaryNone,
+              "-motion frame: the %s side of the box is not round about the axis of the frame; put "
+              "the fluid into a round -scene_domain, or use -motion lagrangian",
+              BoxSides[side]);
     UserCheck(!(kind->properties & (BOUNDARY_FREE | BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)),
               "-motion frame: %s has no fixed particles in a turning frame; allowed along z are "
               "walls, periodic sides and symmetry",

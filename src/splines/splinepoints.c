@@ -1,8 +1,9 @@
 /* Points of quadrature of the splines, in the cells of the lattice and on the boundary. */
 #include "splines.h"
 
-#define FACE_PARTS 16 /* of a face, in which its first open one is looked for */
-#define HALVINGS   40 /* of a part, in which a body ends */
+#define FACE_PARTS 16   /* of a face, in which its first open one is looked for */
+#define INSIDE     1e-6 /* way into the fluid, of points on surfaces [cells] */
+#define HALVINGS   40   /* of a part, in which a body ends */
 
 /* SplinePointsFree - Frees the points; not collective */
 PetscErrorCode SplinePointsFree(SplinePoints *points)
@@ -76,11 +77,13 @@ static void AddSurface(const Particles *p, const SplineSurface *part, Splines *s
                                        {0.77459666924148337704, 5.0 / 18.0}};
 
   for (PetscInt k = 0; k < 3; k++) {
-    PetscReal x[ISPH_MAX_DIM] = {0.0};
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, inside[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < 2; a++)
       x[a] = 0.5 * ((1.0 - rule[k][0]) * part->from[a] + (1.0 + rule[k][0]) * part->to[a]);
-    if (!ParticlesHolds(p, x)) continue;
+    for (PetscInt a = 0; a < 2; a++)
+      inside[a] = x[a] - INSIDE * s->lattice.side[a] * part->normal[a];
+    if (!ParticlesHolds(p, inside)) continue;
     for (PetscInt a = 0; a < 2; a++) s->boundary.normal[a][s->boundary.n] = part->normal[a];
     PointsAdd(2, x, rule[k][1] * part->length / s->scale, part->side, &s->boundary);
   }

@@ -304,6 +304,24 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
 static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;
+  for (PetscInt pair = 0; walls.layers && pair < PetscSqr(scene->n_bodies); pair++) {
+    const PetscInt side  = SceneBodySide(scene, pair / scene->n_bodies),
+                   other = SceneBodySide(scene, pair % scene->n_bodies);
+    const Body *body     = BoundaryBody(scene, side);
+
+    for (PetscInt k = 0; k < BodyPoints(body, BodySpacing(scene, body)); k++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+      char      name[2][WALL_NAME];
+
+      (void)BodyPoint(body, k, BodySpacing(scene, body), x, normal);
+      SceneWallName(scene, side, name[0]);
+      SceneWallName(scene, other, name[1]);
+      UserCheck(!SceneBuries(scene, other, side, x),
+                "-scene_%s: it touches %s, and this -wall has particles behind surfaces, with one "
+                "nearest surface; use -wall wall_layer",
+                name[0], name[1]);
+    }
+  }
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body     *body = SceneBody(scene, k);
     const PetscReal want = walls.layers * BodySpacing(scene, body);
@@ -315,10 +333,10 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
       if (BodyReachesThrough(body, a)) continue;
       BodySpan(body, a, span);
       room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
-      UserCheck(room >= want - 1e-9 * SceneTolerance(scene),
-                "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
-                "along %c; its wall takes %.4g m; use %sa smaller -h_over_dx",
-                k + 1, (double)room, "xyz"[a], (double)want, larger);
+      UserCheck(walls.layers == 0 || room >= want - 1e-9 * SceneTolerance(scene),
+                "the box leaves %.4g m behind the domain along %c; its wall takes %.4g m; use %sa "
+                "smaller -h_over_dx",
+                (double)room, "xyz"[a], (double)want, larger);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,8 +83,10 @@ def scene_input(rng):
             words += [f"-scene_body_{k}_velocity", f"{number(rng)},{number(rng)}"]
         if rng.random() < 0.3:
             words += [f"-scene_body_{k}_rotation", number(rng)]
-        if rng.random() < 0.2:
-            words += [f"-scene_body_{k}_around", "true"]
+    if rng.random() < 0.3:
+        words += ["-scene_domain", shape(rng)]
+        for k in range(1, 1 + rng.choice((0, 1, 2))):
+            words += [f"-scene_part_{k}", shape(rng), f"-scene_part_{k}_velocity", f"{number(rng)},{number(rng)}"]
     for k in range(1, 1 + rng.choice((0, 0, 0, 1, 3))):
         words += [f"-scene_filled_{k}", shape(rng)]
     for k in range(1, 1 + rng.choice((0, 0, 1, 2, 5))):
