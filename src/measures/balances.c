@@ -12,7 +12,6 @@
 #include "monitors.h"
 
 #define BESIDE 0.51 /* places beside the middle of a facet [its width] */
-#define JUMP   0.5  /* of the velocity between them that is no rotation, in their larger one [-] */
 
 enum { FORCE, TORQUE };
 
@@ -229,21 +228,21 @@ static void FindJumps(const Scene *scene, PetscReal t, const Facets *s, const Le
     (void)SurfaceTangents(dim, &s->normal[k * dim], tangent);
     for (PetscInt a = 0; a < dim; a++) arm += PetscSqr(x[a] - l->middle[a]);
     for (PetscInt m = 0; m < dim - 1; m++) {
-      PetscReal u[2][ISPH_MAX_DIM], J = 0.0, most = 0.0;
+      const SurfacePart *part[2];
+      PetscInt           side[2];
+      PetscReal          u[2][ISPH_MAX_DIM], J = 0.0;
 
       for (PetscInt end = 0; end < 2; end++) {
-        PetscReal y[ISPH_MAX_DIM] = {0.0}, square = 0.0;
-        PetscInt  side;
+        PetscReal y[ISPH_MAX_DIM] = {0.0};
 
         for (PetscInt a = 0; a < dim; a++)
           y[a] = x[a] + (end ? BESIDE : -BESIDE) * size * tangent[m][a];
-        (void)SceneDistanceTo(scene, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP, y, &side);
-        SceneWallVelocity(scene, side, t, y, u[end]);
-        for (PetscInt a = 0; a < dim; a++) square += PetscSqr(u[end][a]);
-        most = PetscMax(most, square);
+        (void)SceneDistanceTo(scene, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP, y, &side[end]);
+        SceneWallVelocity(scene, side[end], t, y, u[end]);
+        part[end] = ScenePart(scene, y);
       }
+      if (side[0] == side[1] && part[0] == part[1]) continue;
       for (PetscInt a = 0; a < dim; a++) J += PetscSqr(u[0][a] - u[1][a]);
-      if (J <= PetscSqr(JUMP) * most) continue;
       J = 2.0 * scene->rho * scene->nu_high * PetscSqrtReal(J) * (dim == 3 ? size : 1.0);
       unknown[FORCE] += J;
       unknown[TORQUE] += J * PetscSqrtReal(arm);
