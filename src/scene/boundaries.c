@@ -376,8 +376,9 @@ static PetscBool FindPart(const Scene *scene, PetscInt side, PetscReal t, const 
     u = V(t) + w(t) x (x - X)   for a body with centre X,   V(t, x) for a side of the box
     u = V(t, x) (1 + d b)       for a part of the surface of the domain
 
-  Not collective. Beside a part of the surface, at a distance d with the curvature b, the velocity is
-  that of a solid that follows the surface. In a turning frame V of a side is turned into its axes. A case may define the
+  Not collective. Beside a part of the surface, at a distance d with the curvature b, the velocity
+  is that of a solid that follows the surface. In a turning frame V of a side is turned into its
+  axes. A case may define the
   velocities of the sides by a function. An inflow is at rest outside its opening; in it the normal
   velocity is (1 -+ surplus) V, - where it enters, so that no more enters than leaves, see
   SceneCheckInflow().

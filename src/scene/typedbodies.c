@@ -212,7 +212,8 @@ static PetscBool ChangesPlace(const Boundary *boundary)
          (turns && IsGiven(&boundary->rotation));
 }
 
-/* Reads the motion of body k, or of the domain. Bodies move with particles that move; else their surfaces alone. */
+/* Reads the motion of body k, or of the domain. Bodies move with particles that move; else their
+   surfaces alone. */
 static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundary)
 {
   const PetscInt axes = scene->dim == 3 ? 3 : 1;
@@ -342,8 +343,8 @@ static PetscErrorCode CutSide(const Body *domain, PetscInt side, Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the shape and the place of the domain; without -scene_box the box has whole cells across it,
-   and ROOM of them behind it. */
+/* Reads the shape and the place of the domain; without -scene_box the box has whole cells across
+   it, and ROOM of them behind it. */
 static PetscErrorCode ReadDomain(PetscBool boxed, Scene *scene, Body *domain, PetscBool *given)
 {
   PetscFunctionBegin;
