@@ -4,7 +4,7 @@
 */
 #include "isph/scene.h"
 
-#define ALONG      1e-3 /* largest normal part of the velocity of a part of a surface [-] */
+#define ALONG      0.03 /* largest normal part of the velocity of a part of a surface [-] */
 #define SAMPLES    8    /* times at which velocities are looked at */
 #define ROOM       2.0  /* behind the domain [cells] */
 #define LEAST_ROOM 0.25 /* the same in a box as typed [dx] */
