@@ -3,9 +3,6 @@
 
 set(data ${CMAKE_INSTALL_DATADIR}/isph)
 install(TARGETS isph isph_core)
-if(slepc_fits)
-  install(TARGETS isph_slepc DESTINATION ${CMAKE_INSTALL_LIBDIR}/isph)
-endif()
 install(DIRECTORY include/isph DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY options/ DESTINATION ${data}/options FILES_MATCHING PATTERN "*.opts" PATTERN "shapes/*.*")
 install(DIRECTORY cases/reference/ DESTINATION ${data}/reference FILES_MATCHING PATTERN "*.csv")
@@ -73,5 +70,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
     "openmpi-bin, python3-numpy, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "petsc-dev, slepc-dev, libhdf5-mpi-dev, libmuparser-dev, paraview")
+    "petsc-dev, libhdf5-mpi-dev, libmuparser-dev, paraview")
 include(CPack)

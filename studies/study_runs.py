@@ -278,7 +278,7 @@ def last_rows(path):
     with open(path, newline="", errors="replace") as file:
         rows = [row for row in csv.DictReader(file) if None not in row.values()]
     found, rows = {}, [row for row in rows if row["t"] == rows[-1]["t"]]
-    if not rows or kind == "budget":
+    if not rows:
         return found
     names = list(rows[0])[2:]
     labelled = real(rows[0][names[0]]) is None or float(rows[0][names[0]]).is_integer() and len(names) > 1

@@ -40,7 +40,7 @@ SAME = ["-pressure_points", "same"]
 SAME_FIELDS = [*SAME, "-velocity_filter", "4"]  # the particles have the fields of coarse points
 CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
 COMPRESSIBLE = ["-scheme", "wcsph"]
-GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_viscosity", "implicit"]
+GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation"]
 FLUIDS = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-scene_fluid_1", "circle,0.5,0.7,0.2", "-scene_fluid_1_viscosity", "1"]
 BODIES = ["-case", "scene", "-scene_body_1", "box,0.3,0.4,0.7,0.6", "-scene_body_1_rotation", "1", "-scene_body_1_velocity",
           "0,0.3*sin(t)"]

@@ -328,7 +328,7 @@ static void test_names(void **state)
                                         {"-scene_body_12_velocty", "-scene_body_12_velocity"},
                                         {"-scene_wall_topp_velocity", "-scene_wall_top_velocity"},
                                         {"-ppe_kps_rtol", "-ppe_ksp_rtol"},
-                                        {"-coupled_schurr", "-coupled_schur"}};
+                                        {"-coupled_gradent", "-coupled_gradient"}};
   char                     nearest[OPTION_LENGTH];
 
   (void)state;

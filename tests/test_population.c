@@ -220,10 +220,9 @@ static void MakeRun(Scene *scene, Particles *p, Scheme *scheme, Clock *clock, Op
       (Run){.flow = {.scene = scene, .particles = p, .scheme = scheme, .clock = clock, .ops = ops}};
   ASSERT_OK(ClockRemember(clock, &scheme->memory));
   ASSERT_OK(ReportCreate(&run->report));
-  ASSERT_OK(PetscNew(&run->flow.state)); /* no average of the pressure */
   ASSERT_OK(SnapshotsCreate(scene, &run->snapshots));
   ASSERT_OK(MonitorsCreate(&run->flow, &run->monitors));
-  ASSERT_OK(CheckpointsCreate(scheme, &run->checkpoints));
+  ASSERT_OK(CheckpointsCreate(&run->checkpoints));
 }
 
 static void DestroyRun(Run *run)
@@ -231,7 +230,6 @@ static void DestroyRun(Run *run)
   ASSERT_OK(CheckpointsDestroy(&run->checkpoints));
   ASSERT_OK(MonitorsDestroy(&run->monitors));
   ASSERT_OK(SnapshotsDestroy(&run->snapshots));
-  ASSERT_OK(PetscFree(run->flow.state));
   ASSERT_OK(ReportDestroy(&run->report));
 }
 

@@ -34,7 +34,7 @@ static void Setup(const CloudBox *box, PetscInt degree, Fixture *f)
                    .particles = f->cloud.particles,
                    .neighbors = f->cloud.neighbors,
                    .walls     = f->cloud.walls};
-  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, degree, PETSC_FALSE, &f->splines));
+  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, degree, &f->splines));
   ASSERT_OK(SplinesAssemble(&f->flow, &f->splines));
   ASSERT_OK(VecDuplicate(f->splines.mass, &f->d));
 }

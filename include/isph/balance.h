@@ -18,18 +18,16 @@ extern const Observer   ObserverFlight;
 void      BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal t,
                      BalanceSheet *sheet);
 PetscBool BalanceWorst(const Flow *flow, const char **name, PetscReal *value, PetscReal *bound);
-PetscErrorCode FlightRemember(const Scene *scene, Scheme *scheme);
 
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
-PetscErrorCode UnevennessRemember(Flow *flow);
+PetscErrorCode UnevennessReport(Flow *flow);
 
 PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy);
 PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
 PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work);
 PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound);
-PetscErrorCode EnergyRemember(const Scene *scene, Scheme *scheme);
 
 PetscErrorCode MomentumKeep(Flow *flow);
 PetscErrorCode MomentumRestore(Flow *flow);

@@ -21,41 +21,6 @@ typedef struct {
                    PetscReal displacement[]); /* NULL: none */
   PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
 } ShiftRow;
-/* A pressure that stands in space: particles that move take its change along their way. */
-typedef struct {
-  PetscReal **field; /* of the particles [Pa] */
-  Vec        *vec;   /* on the field; valid for an epoch */
-  PetscBool   idle;  /* it has no values at present */
-} StandingField;
-#define FLOW_MAX_STANDING 2
-
-/* The mean of the pressure over the last time T before a snapshot; see src/flow/average.c. */
-typedef struct {
-  PetscReal  T;          /* -pressure_average [s]; 0: none */
-  PetscBool  snapshots;  /* snapshots need the mean */
-  PetscReal  start, due; /* start of the present mean, and the snapshot it is for; 0: no mean [s] */
-  PetscReal *mean;       /* (field) [Pa]; NULL without T */
-  Vec        vec;        /* on the field; valid for an epoch */
-
-  StandingField *standing;
-} PressureAverage;
-
-/* The parts of a step that change the velocity, in their order. */
-typedef enum {
-  PART_NONE,
-  PART_MOTION,    /* displacement of particles; remaking of operators */
-  PART_SHIFT,     /* change of velocities by the shift */
-  PART_CLEARANCE, /* change of velocities by the clearance of walls */
-  PART_FILTER,    /* velocity filter */
-  PART_TIME,      /* extrapolation to the start of the viscous step */
-  PART_FORCE,     /* old pressure, body force, and explicit convection */
-  PART_VISCOSITY,
-  PART_SOLVE, /* the projection, or the whole solve of the coupled scheme */
-  PART_MEAN,  /* restored mean velocity */
-  STEP_PARTS
-} StepPart;
-enum { CARRIED_SHIFT, CARRIED_CLEARANCE, CARRIED_FILTER, CARRIED_PARTS };
-typedef struct Budget     Budget;
 typedef struct FreeBodies FreeBodies;
 
 /* The rate of the last step, and the error in time of the steps; see src/flow/acceleration.c. */
@@ -67,14 +32,6 @@ typedef struct {
   PetscReal  sampled;                /* time of its last measurement [s] */
   PetscReal  speed[2]; /* root mean square of the velocity of the last two steps [m/s] */
 } Acceleration;
-
-/* The budget of a part of a step in a box. */
-typedef struct {
-  PetscReal share;          /* of the fluid [-] */
-  PetscReal energy;         /* added kinetic energy [J] (per metre of depth in 2D) */
-  PetscReal divergence_rms; /* root mean square of div u after the part [1/s] */
-  PetscReal divergence_max; /* largest |div u| after the part [1/s] */
-} BudgetValues;
 
 /* Sums over the run of momentum and energy that graded particles add by their motion; see
    src/motion/gradedmotion.c. */
@@ -112,24 +69,18 @@ typedef struct {
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
 
-  StandingField   standing[FLOW_MAX_STANDING];
-  PetscInt        n_standing;
-  PressureAverage average;            /* of the pressure */
-  Budget         *budget;             /* NULL: steps measure none */
-  Acceleration    acceleration;       /* of the last step */
-  PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
-  Graded          graded;             /* zero unless particles move and are graded */
-  Openings        openings;
-  KeptFits        kept_fits;
-  FreeBodies     *bodies; /* NULL: no body is free */
+  Acceleration acceleration;       /* of the last step */
+  PetscReal    mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
+  Graded       graded;             /* zero unless particles move and are graded */
+  Openings     openings;
+  KeptFits     kept_fits;
+  FreeBodies  *bodies; /* NULL: no body is free */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
-  /* change of the velocity by the motion up to each of its parts (field); NULL: not noted [m/s] */
-  PetscReal *carried[CARRIED_PARTS][ISPH_MAX_DIM];
   PetscReal *owned_volume; /* volume that particles own (field); NULL: not controlled [m^dim] */
   Vec        filter_rate[ISPH_MAX_DIM]; /* of VelocityFilterRates() in the present step [1/s] */
   PetscReal *correction[ISPH_MAX_DIM];  /* u - u* of the last projection (field); NULL without
@@ -249,7 +200,6 @@ typedef struct {
   KSP         ksp;            /* NULL: explicit */
   Mat         matrix;         /* of the last solve, for -<prefix>mat_view; NULL: none */
   PetscBool   views_matrix;   /* -<prefix>mat_view exists */
-  PetscBool   multistep;      /* the TS keeps earlier velocities, which no checkpoint holds */
   char        note[256];      /* allowed but unwise choices of the user; empty: none */
   PetscInt    iterations;     /* of the last step */
   PetscInt    iterations_sum; /* of all steps */
@@ -262,7 +212,7 @@ typedef struct {
 #define SCHEME_MAX_SOLVES    4
 #define SCHEME_MAX_FIGURES   5
 #define SCHEME_MAX_STAGES    16
-#define SCHEME_MAX_OBSERVERS 4
+#define SCHEME_MAX_OBSERVERS 2
 #define SCHEME_MAX_JUDGES    4
 
 /* A number of a scheme for the report. The run prints a line if it has left its range. */
@@ -282,18 +232,14 @@ typedef struct {
   const char *name, *brief;
   PetscBool (*Applies)(const Flow *flow); /* NULL: to all flows */
   PetscErrorCode (*Do)(Flow *flow);
-  StepPart  part;   /* part of the step that ends with the stage */
   PetscBool solves; /* u_next and p follow from it; it can be done again, see src/flow/attempt.c */
 } Stage;
 
-/* An observer of steps, which changes none. After sees the velocity u_next + dt f after a part of a
-   step; see FlowPartDone(). */
+/* An observer of steps, which changes none. */
 typedef struct {
   PetscBool (*Applies)(const Flow *flow);
   PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
-  PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]); /* or NULL */
-  PetscErrorCode (*End)(Flow *flow);     /* after the last stage, before the time advances */
-  PetscErrorCode (*Destroy)(Flow *flow); /* NULL: nothing to free */
+  PetscErrorCode (*End)(Flow *flow);   /* after the last stage, before the time advances */
 } Observer;
 
 /* Parts of a step that are done again: its last stage that solves; all that solve, from pressure
@@ -369,8 +315,6 @@ typedef struct {
                                PetscReal *largest); /* largest |div u|; NULL: by Operators.div */
   /* This rank's part of the pressure at a point in the box; NULL: by a fit of the particles' */
   PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
-  /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
-  PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
   /* Du/Dt at present, by components [m/s^2]; NULL: from the formula of the last step */
   PetscErrorCode (*Accelerate)(const Flow *flow, PetscReal *const rate[]);
   PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
@@ -410,21 +354,11 @@ PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
 
-/* The mean of the pressure for snapshots. */
-PetscErrorCode AverageCreate(Flow *flow);
-PetscErrorCode AverageRegister(Flow *flow);
-PetscReal      AverageLength(const Flow *flow);
-
 /* The acceleration of the last step, and the error in time. */
 PetscErrorCode AccelerationKeep(const Flow *flow);
 PetscErrorCode AccelerationGet(const Flow *flow, PetscReal *const rate[]);
 PetscErrorCode AccelerationRegister(Flow *flow);
 PetscErrorCode AccelerationRemember(Flow *flow);
-
-/* The budget of a step. */
-PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[]);
-PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
-                         PetscBool *measured);
 
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result);
@@ -444,14 +378,13 @@ PetscErrorCode VelocityFilterForget(Flow *flow);
 PetscErrorCode        FlowMakeStep(Flow *flow);
 PetscErrorCode        FlowStep(Flow *flow);
 PetscErrorCode        FlowAssemble(Flow *flow);
-PetscErrorCode        FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
 extern const Judge    JudgeFailure;
 PetscErrorCode        AttemptArrange(Flow *flow);
 PetscErrorCode        AttemptDestroy(Attempt **attempt);
 PetscErrorCode        AttemptBegin(Flow *flow);
 PetscErrorCode        AttemptEnd(Flow *flow, PetscBool *again);
 PetscErrorCode        AttemptNext(Flow *flow, PetscInt *k);
-extern const Observer ObserverAverage, ObserverBudget, ObserverAcceleration;
+extern const Observer ObserverAcceleration;
 
 /* Limits of steps. */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
@@ -484,12 +417,8 @@ PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *particles, co
 PetscReal      FlowRmsSpeed(const Flow *flow);
 PetscErrorCode SteadyMeasure(Flow *flow);
 PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer);
-PetscErrorCode SteadyRemember(Scheme *scheme);
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
 PetscErrorCode TimeErrorStart(Flow *flow);
 PetscErrorCode TimeErrorCheck(Flow *flow);
-StandingField *FlowAddStanding(PetscReal **field, Vec *vec, FlowState *state);
-
-extern const OptionTable AverageOptions;
 
 #endif

@@ -119,19 +119,15 @@ PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **fil
 PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
 PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
 
-/* Probes, forces, fluxes and budgets during a run, options -probe_point, -probe_line, -probe_flux,
-   -probe_forces and -probe_budget. */
+/* Probes, forces and fluxes during a run, options -probe_point, -probe_line, -probe_flux,
+   -probe_forces, -probe_bodies and -probe_volume. */
 typedef struct Monitors Monitors;
-PetscErrorCode          MonitorsNeeds(unsigned *needs);
 PetscErrorCode          MonitorsCreate(Flow *flow, Monitors **monitors);
 const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
 PetscErrorCode          MonitorsBegin(const Flow *flow, Monitors *monitors);
-PetscInt                MonitorsCount(const Monitors *monitors);
-void                    MonitorsGet(const Monitors *monitors, PetscReal values[]);
-PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
 /* Surfaces of boundaries for ParaView, option -scene_view. */
 PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed);

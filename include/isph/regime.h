@@ -27,7 +27,7 @@ typedef enum {
   FACT_NARROW     = 1 << 12, /* the box is too narrow for splines */
   FACT_STEP_GIVEN = 1 << 13, /* -dt */
   FACT_STEADY     = 1 << 14, /* -steady */
-  FACT_SUBSTEPS   = 1 << 15, /* -steady, or an integrator with substeps */
+  FACT_FLUIDS     = 1 << 15, /* there are interfaces of fluids */
   FACT_IMPLICIT   = 1 << 16, /* -convection implicit */
   FACT_ORDERED    = 1 << 17, /* particles stay on a lattice, or are relaxed */
   FACT_CUBIC      = 1 << 18, /* -mls_degree 3 */
@@ -41,8 +41,7 @@ typedef enum {
   FACT_WCSPH      = 1 << 26, /* -scheme wcsph */
   FACT_SUMS       = 1 << 27, /* -density_form summation */
   FACT_SHIFTS     = 1 << 28, /* -scheme wcsph shifts particles */
-  FACT_CLOUD      = 1 << 29, /* particles of several sizes are on no lattice */
-  FACT_FLUIDS     = 1 << 30  /* there are interfaces of fluids */
+  FACT_CLOUD      = 1 << 29  /* particles of several sizes are on no lattice */
 } Fact;
 #define FACTS 30
 

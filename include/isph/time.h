@@ -109,7 +109,6 @@ typedef struct {
 
   const DtAdaptRow *adapt;
   StepControl       control;     /* with -dt_adapt error */
-  PetscReal         move_max;    /* largest allowed displacement in a step [dx] */
   PetscInt          retries;     /* number of undone steps */
   PetscInt          bursts;      /* number of steps whose bursts pair forces ended */
   PetscInt          halvings;    /* the limit of dt is divided by 2^halvings */

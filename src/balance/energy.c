@@ -279,19 +279,3 @@ PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound)
   e->lag = PetscMax(e->lag, kick * PetscAbsReal(rms - before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* EnergyRemember - Adds the balance to the memory of the run, if it has one; not collective */
-PetscErrorCode EnergyRemember(const Scene *scene, Scheme *scheme)
-{
-  EnergyBalance *e = &scheme->energy;
-
-  PetscFunctionBegin;
-  if (!SceneHasFreeSurface(scene) || !SceneMoves(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_work", &e->work));
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_dissipated", &e->dissipated));
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_most", &e->most));
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_lag", &e->lag));
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_gain", &e->gain));
-  PetscCall(MemoryAddReal(&scheme->memory, "energy_gain_t", &e->gain_t));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

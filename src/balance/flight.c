@@ -167,27 +167,3 @@ const Observer ObserverFlight = {
     .Begin   = FlightBegin,
     .End     = FlightEnd,
 };
-
-/* FlightRemember - Adds the flight to the memory of the run, if it can have one; not collective */
-PetscErrorCode FlightRemember(const Scene *scene, Scheme *scheme)
-{
-  BalanceSheet *sheet = &scheme->sheet;
-  Flight       *f     = &sheet->flight;
-  char          name[32];
-
-  PetscFunctionBegin;
-  if (!SceneHasFreeSurface(scene) || !SceneMoves(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MemoryAddReal(&scheme->memory, "flight", &f->on));
-  PetscCall(MemoryAddReal(&scheme->memory, "flight_speed", &f->speed));
-  PetscCall(MemoryAddReal(&scheme->memory, "flight_momentum", &sheet->value[BALANCE_MOMENTUM]));
-  PetscCall(MemoryAddReal(&scheme->memory, "flight_angular", &sheet->value[BALANCE_ANGULAR]));
-  PetscCall(MemoryAddInt(&scheme->memory, "flew", &sheet->applies[BALANCE_MOMENTUM]));
-  PetscCall(MemoryAddInt(&scheme->memory, "turned", &sheet->applies[BALANCE_ANGULAR]));
-  for (PetscInt k = 0; k < 2 * ISPH_MAX_DIM; k++) {
-    PetscCall(PetscSNPrintf(name, sizeof(name), "flight_start_%d", (int)k));
-    PetscCall(MemoryAddReal(&scheme->memory, name, &f->start[k / ISPH_MAX_DIM][k % ISPH_MAX_DIM]));
-    PetscCall(PetscSNPrintf(name, sizeof(name), "flight_given_%d", (int)k));
-    PetscCall(MemoryAddReal(&scheme->memory, name, &f->given[k / ISPH_MAX_DIM][k % ISPH_MAX_DIM]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -246,49 +246,54 @@ PetscErrorCode FlowCheck(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRemember - Adds statistics and speed bound to the memory of the run, which undo and
-   checkpoints save; not collective */
+/* FlowRemember - Adds what steps measure to the memory of the run, which undo and checkpoints save;
+   not collective */
 PetscErrorCode FlowRemember(Flow *flow)
 {
-  static const char *const changes[] = {"change_u", "change_divergence", "change_p"};
-  Memory                  *memory    = &flow->scheme->memory;
-  StepStats               *stats     = &flow->scheme->stats;
-  SpeedBound              *bound     = &flow->scheme->bound;
+  Scheme       *s      = flow->scheme;
+  Memory       *memory = &s->memory;
+  BalanceSheet *sheet  = &s->sheet;
+  const struct {
+    const char *name;
+    size_t      size;
+    PetscReal  *numbers; /* all members of a struct */
+  } kept[] = {
+      {"statistics", sizeof(s->stats), &s->stats.speed_max},
+      {"speed_bound", sizeof(s->bound), &s->bound.start},
+      {"energy", sizeof(s->energy), &s->energy.work},
+      {"flight", sizeof(sheet->flight), &sheet->flight.on},
+      {"steady_test", sizeof(s->steady), &s->steady.start},
+  };
 
   PetscFunctionBegin;
-  PetscCall(MemoryAddReal(memory, "speed_max", &stats->speed_max));
-  PetscCall(MemoryAddReal(memory, "pace_max", &stats->pace_max));
-  PetscCall(MemoryAddReal(memory, "force_max", &stats->force_max));
-  PetscCall(MemoryAddReal(memory, "kinetic_energy", &stats->kinetic_energy));
-  PetscCall(MemoryAddReal(memory, "divergence", &stats->divergence));
-  for (PetscInt k = 0; k < 3; k++) PetscCall(MemoryAddReal(memory, changes[k], &stats->change[k]));
-  PetscCall(MemoryAddReal(memory, "bound_start", &bound->start));
-  PetscCall(MemoryAddReal(memory, "bound_impulse", &bound->impulse));
-  PetscCall(MemoryAddReal(memory, "bound_force", &bound->force));
-  PetscCall(MemoryAddReal(memory, "bound_force_step", &bound->force_step));
-  PetscCall(MemoryAddReal(memory, "bound_walls", &bound->walls));
-  PetscCall(EnergyRemember(flow->scene, flow->scheme));
-  PetscCall(FlightRemember(flow->scene, flow->scheme));
-  PetscCall(SteadyRemember(flow->scheme));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kept); k++)
+    PetscCall(MemoryAddReals(memory, kept[k].name, (PetscInt)(kept[k].size / sizeof(PetscReal)),
+                             kept[k].numbers));
+  for (PetscInt kind = BALANCE_MOMENTUM; kind <= BALANCE_ANGULAR; kind++) {
+    const PetscBool linear = kind == BALANCE_MOMENTUM;
+
+    PetscCall(
+        MemoryAddReal(memory, linear ? "flight_momentum" : "flight_angular", &sheet->value[kind]));
+    PetscCall(MemoryAddInt(memory, linear ? "flew" : "turned", &sheet->applies[kind]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  UnevennessRemember - Adds the unevenness to the memory of the run and to the figures of the scheme
+  UnevennessReport - Adds the unevenness to the figures of the scheme
 
   Not collective. It is the largest root mean square of C - 1 so far, with the concentration C of
   particles that shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too
   long for the strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, and by
   more than 2.5 % from 0.2 on.
 */
-PetscErrorCode UnevennessRemember(Flow *flow)
+PetscErrorCode UnevennessReport(Flow *flow)
 {
   Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
   if (!(s->needs & NEED_CONCENTRATION) || SceneHasFreeSurface(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MemoryAddReal(&s->memory, "unevenness", &s->stats.unevenness));
   PetscCall(SchemeAddFigure(
       (SchemeFigure){
           .name  = "unevenness",

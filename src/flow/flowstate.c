@@ -42,7 +42,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->correction_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
   }
-  for (PetscInt k = 0; k < s->n_standing; k++) PetscCall(VecDestroy(s->standing[k].vec));
+  PetscCall(VecDestroy(&s->p));
   PetscCall(PetscFree(s->kept_fits.number));
   s->kept_fits = (KeptFits){.n = 0};
   PetscCall(VecDestroy(&s->p_before));
@@ -60,15 +60,6 @@ PetscErrorCode FlowStateDestroy(Flow *flow)
   PetscCall(FlowStateFree(flow->state));
   PetscCall(PetscFree(flow->state));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FlowAddStanding - Adds a pressure that stands in space to the state; not collective */
-StandingField *FlowAddStanding(PetscReal **field, Vec *vec, FlowState *s)
-{
-  StandingField *standing = &s->standing[s->n_standing++];
-
-  *standing = (StandingField){.field = field, .vec = vec};
-  return standing;
 }
 
 /*
@@ -93,7 +84,6 @@ PetscErrorCode FlowStateRegister(Flow *flow)
                                 s->convection_earlier));
   if (s->implicit_convection && p->p)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
-  if (p->p) (void)FlowAddStanding(&p->p, &s->p, s);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->level;
 
@@ -131,8 +121,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->correction[a]) PetscCall(FluidVec(p, s->correction[a], &s->correction_prev[a]));
   }
   if (p->p) {
-    for (PetscInt k = 0; k < s->n_standing; k++)
-      PetscCall(FluidVec(p, *s->standing[k].field, s->standing[k].vec));
+    PetscCall(FluidVec(p, p->p, &s->p));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
     if (s->owned_volume) PetscCall(FluidVec(p, NULL, &s->source));

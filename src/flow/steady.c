@@ -189,25 +189,6 @@ PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SteadyRemember - Lists the numbers of the steady test in the memory of the scheme, which
-   checkpoints and retries save; not collective */
-PetscErrorCode SteadyRemember(Scheme *scheme)
-{
-  static const char *const sums[]  = {"sum_u", "sum_divergence", "sum_p"};
-  static const char *const means[] = {"mean_u", "mean_divergence", "mean_p"};
-  SteadyTest              *test    = &scheme->steady;
-
-  PetscFunctionBegin;
-  PetscCall(MemoryAddReal(&scheme->memory, "steady_start", &test->start));
-  PetscCall(MemoryAddReal(&scheme->memory, "steady_count", &test->count));
-  for (PetscInt k = 0; k < 3; k++) {
-    PetscCall(MemoryAddReal(&scheme->memory, sums[k], &test->sum[k]));
-    PetscCall(MemoryAddReal(&scheme->memory, means[k], &test->mean[k]));
-  }
-  PetscCall(MemoryAddReal(&scheme->memory, "rms_divergence", &test->divergence));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state
 

@@ -1,6 +1,6 @@
 /*
   The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
-  src/schemes/stages/stages.c. Observers stand between the stages.
+  src/schemes/stages/stages.c. Observers look at the flow before and after them.
 */
 #include "isph/flow.h"
 
@@ -58,23 +58,6 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
 }
 
 /*
-  FlowPartDone - Shows observers the velocity u_next + dt f after a part of the step
-
-  Collective. Shows nothing of a step that has failed. Stages call it for the parts within them.
-  Input: dt, f - the viscous step and its force; NULL: none.
-*/
-PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
-{
-  const Scheme *s = flow->scheme;
-
-  PetscFunctionBegin;
-  if (part == PART_NONE || s->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < s->n_observers; k++)
-    if (s->observer[k]->After) PetscCall(s->observer[k]->After(flow, part, dt, f));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
   FlowStep - Makes a step of the clock's dt by the stages of the scheme
 
   Collective. If the step fails, scheme->failure has the reason, time has not advanced, and the
@@ -91,7 +74,6 @@ PetscErrorCode FlowStep(Flow *flow)
     PetscCall(PetscLogStagePush(s->stage_log[k]));
     PetscCall(s->stage[k]->Do(flow));
     PetscCall(PetscLogStagePop());
-    PetscCall(FlowPartDone(flow, s->stage[k]->part, 0.0, NULL));
     PetscCall(AttemptNext(flow, &k));
   }
   if (s->failure.code) PetscFunctionReturn(PETSC_SUCCESS);

@@ -338,19 +338,6 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the length of the mean of pressures and forces. */
-static PetscErrorCode BannerAverage(const Flow *flow, PetscViewer viewer)
-{
-  const PetscReal T = flow->state->average.T;
-
-  PetscFunctionBegin;
-  if (T == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer, BANNER_LABEL "of snapshots, probes and forces: means over the last %.4g s\n",
-      "pressure", (double)T));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Prints the lines of the scheme, then its linear solves; an explicit step has none. */
 static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
 {
@@ -392,7 +379,6 @@ PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscView
   PetscCall(BannerTension(flow, viewer));
   PetscCall(BannerForms(flow, viewer));
   PetscCall(BannerScheme(flow, viewer));
-  PetscCall(BannerAverage(flow, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

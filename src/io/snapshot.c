@@ -160,7 +160,6 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
       {"h", flow->ops->forms.h},
       {"nu", scene->nu},
       {"rho", scene->rho},
-      {"pressure_average", AverageLength(flow)},
       {"frame_angle", SceneFrameAngle(scene, ClockMoment(flow->clock))},
   };
   const int step = (int)flow->clock->step, dim = (int)scene->dim;

@@ -47,13 +47,10 @@ static PetscBool Has_Pressure(const Flow *flow)
   return SceneHas(flow->scene, PHYSICS_PRESSURE);
 }
 
-/* Copies the mean of the pressure over the last time AverageLength(), or the present pressure. */
 static PetscErrorCode Gather_Pressure(const Flow *flow, void *rows)
 {
-  const PetscReal *p = AverageLength(flow) > 0.0 ? flow->state->average.mean : flow->particles->p;
-
   PetscFunctionBegin;
-  GatherFluid(flow->particles, 1.0, p, (double *)rows);
+  GatherFluid(flow->particles, 1.0, flow->particles->p, (double *)rows);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -109,12 +109,11 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
 /*
   MonitorRow - Begins a row with time and step on the first rank; not collective
 
-  Returns: PETSC_FALSE if nothing is to be written: on other ranks, and for values that only enter a
-  mean
+  Returns: PETSC_FALSE if nothing is to be written, on other ranks
 */
 PetscBool MonitorRow(const Clock *clock, const Monitor *monitor)
 {
-  if (!monitor->stream || monitor->quiet) return PETSC_FALSE;
+  if (!monitor->stream) return PETSC_FALSE;
   (void)fprintf(monitor->stream, "%.12g,%" PetscInt_FMT, (double)clock->t, clock->step);
   return PETSC_TRUE;
 }

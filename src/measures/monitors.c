@@ -6,7 +6,7 @@
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */
 
-enum { POINT, LINE, FLUX, FORCES, BODIES, BUDGET, VOLUME, EVERY, BASE };
+enum { POINT, LINE, FLUX, FORCES, BODIES, VOLUME, EVERY, BASE };
 static const OptionRow options[] = {
     [POINT] =
         {
@@ -51,16 +51,6 @@ static const OptionRow options[] = {
             .standard = "false",
             .where    = "flows with bodies",
         },
-    [BUDGET] =
-        {
-            .name   = "-probe_budget",
-            .expert = PETSC_TRUE,
-            .kind   = VALUE_REALS,
-            .brief  = "kinetic energy and divergence that each part of a step adds in boxes: two "
-                      "opposite corners of each box",
-            .unit   = "m",
-            .where  = "flows that advance in time",
-        },
     [VOLUME] =
         {
             .name     = "-probe_volume",
@@ -94,8 +84,7 @@ const OptionTable MonitorOptions = OPTIONS("Probes", options);
 /* Kinds of monitors in the order of their options. */
 static const MonitorKind *const kinds[] = {
     [POINT] = &MonitorPoints,  [LINE] = &MonitorLines,    [FLUX] = &MonitorFluxes,
-    [FORCES] = &MonitorForces, [BODIES] = &MonitorBodies, [BUDGET] = &MonitorBudget,
-    [VOLUME] = &MonitorVolume,
+    [FORCES] = &MonitorForces, [BODIES] = &MonitorBodies, [VOLUME] = &MonitorVolume,
 };
 #define MONITOR_KINDS PETSC_STATIC_ARRAY_LENGTH(kinds)
 
@@ -147,34 +136,10 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   PetscCall(CheckInBox(scene, option, group, n, number));
   for (PetscInt k = 0; k < n / group && kind->Check; k++)
     PetscCall(kind->Check(scene, option, k, &number[k * group]));
-  monitor->on        = PETSC_TRUE;
-  monitor->n         = n / group;
-  monitor->n_numbers = n;
+  monitor->on = PETSC_TRUE;
+  monitor->n  = n / group;
   PetscCall(PetscMalloc1(n, &monitor->parameter));
   PetscCall(PetscArraycpy(monitor->parameter, number, n));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates the windows of a monitor for means over the time T. */
-static PetscErrorCode CreateWindows(const Scene *scene, PetscReal T, const MonitorKind *kind,
-                                    Monitor *monitor)
-{
-  PetscFunctionBegin;
-  if (!monitor->on || !kind->Windows || T == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  monitor->T         = T;
-  monitor->n_windows = kind->Windows(scene, monitor);
-  PetscCall(PetscCalloc1(monitor->n_windows, &monitor->window));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* MonitorsNeeds - Returns the operators that probes need, as bits of Need; collective */
-PetscErrorCode MonitorsNeeds(unsigned *needs)
-{
-  PetscBool budget;
-
-  PetscFunctionBegin;
-  PetscCall(OptionGiven(options[BUDGET].name, &budget));
-  *needs = budget ? NEED_GRADIENT_U : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -190,13 +155,11 @@ PetscErrorCode MonitorsNeeds(unsigned *needs)
                                   to (x1, y1) is positive [m]
 . -probe_forces                 - forces and torques on each wall
 . -probe_bodies                 - pose, motion, force and torque of each body
-. -probe_budget x0,y0,x1,y1,... - kinetic energy and divergence of each part of a step in boxes [m]
 . -probe_volume                 - volume inside the free surface
 . -probe_every T                - rows after the first step at or past each multiple of T [s]; by
                                   default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
-                                  base_forces.csv, base_bodies.csv, base_budget.csv,
-                                  base_volume.csv
+                                  base_forces.csv, base_bodies.csv, base_volume.csv
 
   Errors: incomplete groups of numbers end the run
 */
@@ -210,7 +173,6 @@ PetscErrorCode MonitorsCreate(Flow *flow, Monitors **monitors)
   m->last = PETSC_NINFINITY;
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     PetscCall(MonitorRead(scene, &options[k], kinds[k], &m->of[k]));
-    PetscCall(CreateWindows(scene, flow->state->average.T, kinds[k], &m->of[k]));
     m->any = m->any || m->of[k].on;
   }
   if (m->any) {
@@ -243,8 +205,6 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
     Monitor *monitor = &(*monitors)->of[k];
 
     if (monitor->stream) (void)fclose(monitor->stream);
-    for (PetscInt w = 0; w < monitor->n_windows; w++) PetscCall(WindowFree(&monitor->window[w]));
-    PetscCall(PetscFree(monitor->window));
     PetscCall(PetscFree(monitor->parameter));
   }
   PetscCall(PetscFree(*monitors));
@@ -268,17 +228,8 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if values of a monitor at time t enter the mean of the next row, which is at most T
-   after t. */
-static PetscBool EntersMean(const Monitors *m, const Monitor *monitor, PetscReal t)
-{
-  if (monitor->T == 0.0) return PETSC_FALSE;
-  return ClockNext(m->every, t) - t <= monitor->T * (1.0 + 1e-9);
-}
-
 /*
-  MonitorsWrite - Writes the rows of the present time, if they are due; otherwise measures values
-  for the means of the next rows
+  MonitorsWrite - Writes the rows of the present time, if they are due
 
   Collective on PETSC_COMM_WORLD. Called at the start and after every step.
 
@@ -293,16 +244,16 @@ PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
   if (!m->any) PetscFunctionReturn(PETSC_SUCCESS);
   due = m->every == 0.0 || m->last == PETSC_NINFINITY ? PETSC_TRUE
                                                       : ClockPasses(m->every, m->last, t);
-  if (due) m->last = t;
+  if (!due) PetscFunctionReturn(PETSC_SUCCESS);
+  m->last = t;
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     Monitor *monitor = &m->of[k];
 
-    if (!monitor->on || (!due && !EntersMean(m, monitor, t))) continue;
+    if (!monitor->on) continue;
     PetscCall(FlowPrepareOutput(flow));
     if (!monitor->opened) PetscCall(MonitorOpen(kinds[k], monitor));
-    monitor->quiet = due ? PETSC_FALSE : PETSC_TRUE;
     PetscCall(kinds[k]->Write(flow, monitor));
-    if (due) PetscCall(MonitorFlush(monitor));
+    PetscCall(MonitorFlush(monitor));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -317,82 +268,8 @@ PetscErrorCode MonitorsBegin(const Flow *flow, Monitors *m)
 
     if (!monitor->on || !monitor->begins) continue;
     PetscCall(FlowPrepareOutput(flow));
-    monitor->quiet = PETSC_FALSE;
     PetscCall(kinds[k]->Write(flow, monitor));
     PetscCall(MonitorFlush(monitor));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Copies the kind, the coordinates and the windows of a monitor to an array, if that is not NULL;
-   returns the number of values. */
-static PetscInt MonitorPack(size_t kind, const Monitor *monitor, PetscReal values[])
-{
-  PetscInt n = 3;
-
-  for (PetscInt k = 0; k < monitor->n_numbers; k++, n++) {
-    if (values) values[n] = monitor->parameter[k];
-  }
-  for (PetscInt w = 0; w < monitor->n_windows; w++)
-    n += WindowPack(&monitor->window[w], values ? &values[n] : NULL);
-  if (!values) return n;
-  values[0] = (PetscReal)n;
-  values[1] = (PetscReal)kind;
-  values[2] = (PetscReal)monitor->n_numbers;
-  return n;
-}
-
-/*
-  MonitorsCount, MonitorsGet, MonitorsSet - Count, copy and restore the values of windows for a
-  checkpoint
-
-  Not collective. MonitorsSet() leaves windows empty if the earlier run had other probes.
-*/
-PetscInt MonitorsCount(const Monitors *m)
-{
-  PetscInt n = 0;
-
-  for (size_t k = 0; k < MONITOR_KINDS; k++)
-    n += m->of[k].n_windows ? MonitorPack(k, &m->of[k], NULL) : 0;
-  return n;
-}
-
-void MonitorsGet(const Monitors *m, PetscReal values[])
-{
-  PetscInt n = 0;
-
-  for (size_t k = 0; k < MONITOR_KINDS; k++)
-    n += m->of[k].n_windows ? MonitorPack(k, &m->of[k], &values[n]) : 0;
-}
-
-/* Returns true if n values of an earlier run belong to a monitor of this kind and these numbers. */
-static PetscBool IsOfMonitor(size_t kind, const Monitor *monitor, PetscInt n,
-                             const PetscReal values[])
-{
-  if (values[1] != (PetscReal)kind || values[2] != (PetscReal)monitor->n_numbers)
-    return PETSC_FALSE;
-  if (n < 3 + monitor->n_numbers) return PETSC_FALSE;
-  for (PetscInt k = 0; k < monitor->n_numbers; k++) {
-    if (values[3 + k] != monitor->parameter[k]) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
-PetscErrorCode MonitorsSet(Monitors *m, PetscInt n, const PetscReal values[])
-{
-  PetscInt size;
-
-  PetscFunctionBegin;
-  for (PetscInt at = 0; n - at >= 3; at += size) {
-    size = values[at] >= 3.0 && values[at] <= (PetscReal)(n - at) ? (PetscInt)values[at] : n - at;
-    for (size_t k = 0; k < MONITOR_KINDS; k++) {
-      Monitor *monitor = &m->of[k];
-      PetscInt used    = 3 + monitor->n_numbers, part;
-
-      if (!monitor->n_windows || !IsOfMonitor(k, monitor, size, &values[at])) continue;
-      for (PetscInt w = 0; w < monitor->n_windows; w++, used += part)
-        PetscCall(WindowUnpack(size - used, &values[at + used], &monitor->window[w], &part));
-    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,14 +1,13 @@
-/* Monitors based on probes: points, lines, sections; forces on walls; the budget of a step. */
+/* Monitors based on probes: points, lines, sections; forces on walls and bodies. */
 #include "monitors.h"
 
 /*
-  Writes a row with velocity and mean pressure for each of n points, whose window has the given
-  index. After time and step follows the given number or, if it is negative, the index of the point.
-  The columns of velocity and pressure are empty for points in bodies and outside a free surface.
-  That of the pressure is also empty if the run has none, or if the point was outside at a time of
-  the mean.
+  Writes a row with velocity and pressure for each of n points. After time and step follows the
+  given number or, if it is negative, the index of the point. The columns of velocity and pressure
+  are empty for points in bodies and outside a free surface. That of the pressure is also empty if
+  the run has none.
 */
-static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt window, PetscInt n,
+static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
 {
   const PetscInt  dim = flow->scene->dim;
@@ -21,7 +20,6 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt w
   for (PetscInt k = 0; k < n; k++) ScenePlaceIntoFrame(flow->scene, t, &place[k * dim]);
   PetscCall(ProbePoints(flow, n, place, u, p));
   for (PetscInt k = 0; k < n; k++) SceneOutOfFrame(flow->scene, t, &u[k * dim]);
-  PetscCall(MonitorMean(flow->clock, window, n, p, monitor));
   for (PetscInt k = 0; k < n; k++) {
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
@@ -52,25 +50,16 @@ static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscI
 static PetscErrorCode WritePoints(const Flow *flow, Monitor *monitor)
 {
   PetscFunctionBegin;
-  PetscCall(WriteProbes(flow, monitor, 0, monitor->n, monitor->parameter, -1));
+  PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->parameter, -1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All points share a window. */
-static PetscInt PointWindows(const Scene *scene, const Monitor *monitor)
-{
-  (void)scene;
-  (void)monitor;
-  return 1;
-}
-
 const MonitorKind MonitorPoints = {
-    .name    = "point",
-    .header  = "point,x,y,z,u,v,w,p",
-    .group   = {2, 3},
-    .Check   = CheckPoint,
-    .Windows = PointWindows,
-    .Write   = WritePoints,
+    .name   = "point",
+    .header = "point,x,y,z,u,v,w,p",
+    .group  = {2, 3},
+    .Check  = CheckPoint,
+    .Write  = WritePoints,
 };
 
 /* Refuses a line if its last parameter, the number of points, is not a whole number above 1. */
@@ -103,26 +92,18 @@ static PetscErrorCode WriteLines(const Flow *flow, Monitor *monitor)
 
       for (PetscInt a = 0; a < dim; a++) x[q * dim + a] = (1.0 - s) * end[a] + s * end[dim + a];
     }
-    PetscCall(WriteProbes(flow, monitor, k, n, x, k));
+    PetscCall(WriteProbes(flow, monitor, n, x, k));
     PetscCall(PetscFree(x));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each line has a window. */
-static PetscInt LineWindows(const Scene *scene, const Monitor *monitor)
-{
-  (void)scene;
-  return monitor->n;
-}
-
 const MonitorKind MonitorLines = {
-    .name    = "line",
-    .header  = "line,x,y,z,u,v,w,p",
-    .group   = {5, 7},
-    .Check   = CheckLine,
-    .Windows = LineWindows,
-    .Write   = WriteLines,
+    .name   = "line",
+    .header = "line,x,y,z,u,v,w,p",
+    .group  = {5, 7},
+    .Check  = CheckLine,
+    .Write  = WriteLines,
 };
 
 /* Computes the flux through the wet parts of a section [m^2/s, m^3/s]. */
@@ -185,7 +166,6 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
         !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
       continue;
     PetscCall(WallForce(flow, side, force));
-    PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
     SceneWallName(scene, side, name);
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%s", name);
@@ -246,7 +226,6 @@ static PetscErrorCode WriteBodies(const Flow *flow, Monitor *monitor)
     PetscReal      force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS], power;
 
     PetscCall(WallForce(flow, side, force));
-    PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
     ForceParts(force, part);
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, k + 1);
@@ -260,19 +239,11 @@ static PetscErrorCode WriteBodies(const Flow *flow, Monitor *monitor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each boundary has a window, which stays empty without forces on it. */
-static PetscInt ForceWindows(const Scene *scene, const Monitor *monitor)
-{
-  (void)monitor;
-  return SceneBoundaries(scene);
-}
-
 const MonitorKind MonitorForces = {
-    .name    = "forces",
-    .header  = "wall,fx,fy,fz,tx,ty,tz,traction_fx,traction_fy,traction_fz,traction_tx,traction_ty,"
-               "traction_tz",
-    .Windows = ForceWindows,
-    .Write   = WriteForces,
+    .name   = "forces",
+    .header = "wall,fx,fy,fz,tx,ty,tz,traction_fx,traction_fy,traction_fz,traction_tx,traction_ty,"
+              "traction_tz",
+    .Write  = WriteForces,
 };
 
 /* Refuses a flow without bodies. */
@@ -289,67 +260,6 @@ const MonitorKind MonitorBodies = {
     .name    = "bodies",
     .header  = "body,x,y,z,q0,q1,q2,q3,u,v,w,spin_x,spin_y,spin_z,fx,fy,fz,tx,ty,tz,power,"
                "force_error,torque_error,lubrication",
-    .Windows = ForceWindows,
     .Prepare = PrepareBodies,
     .Write   = WriteBodies,
-};
-
-/* Refuses a box whose first corner is not below the second along each axis. */
-static PetscErrorCode CheckBox(const Scene *scene, const char option[], PetscInt k,
-                               const PetscReal corner[])
-{
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    UserCheck(corner[a] < corner[scene->dim + a],
-              "%s: box %" PetscInt_FMT " begins at %c = %.6g and ends at %.6g; the first corner "
-              "must be the lower one",
-              option, k, "xyz"[a], (double)corner[a], (double)corner[scene->dim + a]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrepareBudget(Flow *flow, const Monitor *monitor)
-{
-  PetscFunctionBegin;
-  UserCheck(!flow->scene->frame, "-probe_budget: its boxes stand, and those of -motion frame turn; "
-                                 "use -motion eulerian or lagrangian");
-  PetscCall(BudgetCreate(flow, monitor->n, monitor->parameter));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Writes a row for each part of the last step in each box, and in the rest of the fluid. */
-static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
-{
-  static const char *const parts[STEP_PARTS] = {
-      [PART_MOTION] = "motion",       [PART_SHIFT] = "shift", [PART_CLEARANCE] = "clearance",
-      [PART_FILTER] = "filter",       [PART_TIME] = "time",   [PART_FORCE] = "force",
-      [PART_VISCOSITY] = "viscosity", [PART_SOLVE] = "solve", [PART_MEAN] = "mean",
-  };
-
-  PetscFunctionBegin;
-  for (PetscInt part = PART_MOTION; part < STEP_PARTS; part++) {
-    for (PetscInt k = 0; k <= monitor->n; k++) {
-      BudgetValues values;
-      PetscBool    measured;
-
-      PetscCall(BudgetGet(flow, (StepPart)part, k, &values, &measured));
-      if (!measured || values.share == 0.0 || !MonitorRow(flow->clock, monitor)) continue;
-      (void)fprintf(monitor->stream, ",%.12g,%s,", (double)flow->clock->dt, parts[part]);
-      if (k < monitor->n) (void)fprintf(monitor->stream, "%" PetscInt_FMT, k);
-      else (void)fprintf(monitor->stream, "rest");
-      (void)fprintf(monitor->stream, ",%.6g,%.12g,%.6g,%.6g\n", (double)values.share,
-                    (double)values.energy, (double)values.divergence_rms,
-                    (double)values.divergence_max);
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const MonitorKind MonitorBudget = {
-    .name    = "budget",
-    .header  = "dt,part,box,share,energy,divergence_rms,divergence_max",
-    .group   = {4, 6},
-    .Check   = CheckBox,
-    .Prepare = PrepareBudget,
-    .Write   = WriteBudget,
 };

@@ -7,21 +7,22 @@
 #define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
 #define PASSES       0.5 /* distance from a side below which a particle passes it [dx_i] */
 #define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
+#define MOVE_MOST    0.6 /* displacement with the flow above which a step is undone [dx_i] */
 
 /*
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
-  gradients of pressures that stand in space; with shifting also grad u and, if the viscous
+  the gradient of the pressure; with shifting also grad u and, if the viscous
   operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
   quadratic fit of u. Unneeded vectors are NULL. The displacements of rough particles from their
   neighbours follow from the old positions too.
 */
 typedef struct {
-  Vec                p_vec[FLOW_MAX_STANDING][ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
-  const PetscScalar *p[FLOW_MAX_STANDING][ISPH_MAX_DIM]; /* dp/dx_a of pressure k at [k][a] */
-  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM];      /* du_c/dx_a at [c][a] */
-  const PetscScalar *lap[ISPH_MAX_DIM];                  /* lap u_c */
-  const PetscScalar *residual[ISPH_MAX_DIM];             /* residual of the fit of u_c */
+  const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
+  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
+  const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
+  const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
   PetscReal         *apart; /* FlowSeparate(); NULL without shifting or a free surface */
 } Slopes;
 
@@ -98,8 +99,7 @@ static PetscErrorCode SlopeRestore(Flow *flow, Vec *y, const PetscScalar **slope
 
 static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 {
-  const Operators *ops   = flow->ops;
-  const FlowState *state = flow->state;
+  const Operators *ops = flow->ops;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(t, sizeof(*t)));
@@ -107,11 +107,9 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
     PetscCall(PetscMalloc1(flow->particles->n_fluid * flow->scene->dim, &t->apart));
     FlowSeparate(flow, t->apart);
   }
-  for (PetscInt k = 0; k < state->n_standing && ops->grad_p[0].needed; k++) {
-    for (PetscInt a = 0; !state->standing[k].idle && a < flow->scene->dim; a++)
-      PetscCall(SlopeGet(flow, &ops->grad_p[a], *state->standing[k].vec, flow->walls.p,
-                         &t->p_vec[k][a], &t->p[k][a]));
-  }
+  for (PetscInt a = 0; flow->state->p && ops->grad_p[0].needed && a < flow->scene->dim; a++)
+    PetscCall(
+        SlopeGet(flow, &ops->grad_p[a], flow->state->p, flow->walls.p, &t->p_vec[a], &t->p[a]));
   PetscCall(VelocitySlopesGet(flow, shifting, t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -121,8 +119,7 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionBegin;
   PetscCall(PetscFree(t->apart));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    for (PetscInt k = 0; k < FLOW_MAX_STANDING; k++)
-      PetscCall(SlopeRestore(flow, &t->p_vec[k][a], &t->p[k][a]));
+    PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
     for (PetscInt c = 0; c < flow->scene->dim; c++)
       PetscCall(SlopeRestore(flow, &t->u_vec[c][a], &t->u[c][a]));
     PetscCall(SlopeRestore(flow, &t->lap_vec[a], &t->lap[a]));
@@ -237,29 +234,19 @@ static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, 
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
-/* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
+/* Fails the step if a particle moved further than MOVE_MOST; collective. */
 static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
-  const PetscReal most = flow->clock->move_max;
-  char            where[CLOCK_WHERE];
+  char where[CLOCK_WHERE];
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (moved <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (moved <= MOVE_MOST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
-  FailureSet(
-      &flow->scheme->failure, PETSC_ERR_FP,
-      "%s: a particle moved by %.3g dx, more than -dt_move_max %.3g; try a smaller -dt or -cfl",
-      where, (double)moved, (double)most);
+  FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
+             "%s: a particle moved by %.3g dx, more than %.3g; try a smaller -dt or -cfl", where,
+             (double)moved, MOVE_MOST);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Notes the change of the velocity of particle i by the motion up to and including part k; the note
-   follows the particle to its new place. */
-static void NoteChange(const FlowState *state, PetscInt dim, PetscInt k, PetscInt i,
-                       const PetscReal change[])
-{
-  for (PetscInt a = 0; a < dim; a++) state->carried[k][a][i] = change[a];
 }
 
 /* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
@@ -273,7 +260,6 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   FlowState      *state    = flow->state;
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool graded   = SceneMovesGraded(scene);
-  const PetscBool noted    = state->carried[0][0] ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool across   = VelocityFilterActsOnShear(flow);
 
   PetscReal *const *filtered = state->acceleration.filtered;
@@ -289,10 +275,6 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
-    if (shifting && noted) {
-      FollowShift(scene, slopes, i, shift, change);
-      NoteChange(state, scene->dim, CARRIED_SHIFT, i, change);
-    }
     for (PetscInt a = 0; a < scene->dim; a++) {
       flown[a] = weight[0] * p->u[a][i] + weight[1] * state->u_previous[a][i];
       if (weight[2] != 0.0) flown[a] += weight[2] * state->u_earlier[a][i];
@@ -316,7 +298,6 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     *work += EnergyWork(flow, i, path);
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
-    if (noted) NoteChange(state, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed) {
       PetscReal before[ISPH_MAX_DIM];
 
@@ -326,13 +307,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       for (PetscInt a = 0; filtered[0] && a < scene->dim; a++)
         filtered[a][i] = (change[a] - before[a]) / clock->dt;
     }
-    if (noted) NoteChange(state, scene->dim, CARRIED_FILTER, i, change);
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      for (PetscInt k = 0; k < state->n_standing; k++)
-        if (slopes->p[k][a])
-          (*state->standing[k].field)[i] += (x[a] - p->x[a][i]) * slopes->p[k][a][i];
+      if (slopes->p[a]) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
       state->u_previous[a][i] += change[a];
@@ -351,8 +329,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     u += s.grad u + |s|^2/(2d) lap u - filter of VelocityFilter(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
-  Pressures that stand in space are carried as Eulerian fields, unless a scheme has them fixed
-  there.
+  The pressure is carried as an Eulerian field, unless a scheme has it fixed in space.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.

@@ -1,13 +1,10 @@
 /*
   Eigenvalues and condition number of the matrix of -L dx^2, where L is the Laplacian in a box with
-  given values around it. LAPACK computes all eigenvalues of small matrices, SLEPc the extreme
-  eigenvalues of large matrices.
+  given values around it.
 */
 #include "isph/patch.h"
-#include "spectrum.h"
-#include <dlfcn.h>
 
-#define SPECTRUM_DENSE 1000 /* largest number of rows for LAPACK */
+#define SPECTRUM_MOST 1000 /* rows, of whose matrix LAPACK computes all eigenvalues */
 
 /* Computes the least and the largest real part of the eigenvalues of a sequential matrix. */
 static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
@@ -37,95 +34,40 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the spectrum by LAPACK, redundantly on every rank. */
-static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
-{
-  Mat         whole, square;
-  PetscReal   least, most;
-  PetscMPIInt ranks;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)A), &ranks));
-  PetscCall(MatCreateRedundantMatrix(A, ranks, MPI_COMM_NULL, MAT_INITIAL_MATRIX, &whole));
-  PetscCall(AllEigenvalues(whole, &spectrum->eig_min, &spectrum->eig_max));
-  PetscCall(MatTransposeMatMult(whole, whole, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
-  PetscCall(AllEigenvalues(square, &least, &most));
-  spectrum->condition = SpectrumCondition(least, most);
-  PetscCall(MatDestroy(&square));
-  PetscCall(MatDestroy(&whole));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#if defined(ISPH_SLEPC)
-/* Finds the function of the module: beside the program, as in a build tree, or in the installation;
-   NULL if a rank has no module. */
-static PetscErrorCode LoadSparse(SparseSpectrum **function)
-{
-  char              beside[PETSC_MAX_PATH_LEN], relative[PETSC_MAX_PATH_LEN];
-  const char *const path[] = {beside, relative, ISPH_SLEPC_INSTALL "/" ISPH_SLEPC};
-  void             *module = NULL;
-  PetscMPIInt       found;
-
-  PetscFunctionBegin;
-  PetscCall(PathBesideProgram(ISPH_SLEPC, beside));
-  PetscCall(PathBesideProgram(ISPH_SLEPC_RELATIVE "/" ISPH_SLEPC, relative));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(path) && !module; k++)
-    if (path[k][0]) module = dlopen(path[k], RTLD_NOW | RTLD_LOCAL);
-  *function = module ? (SparseSpectrum *)dlsym(module, "SpectrumSlepc") : NULL;
-  found     = *function ? 1 : 0;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
-  if (!found) *function = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-#else
-static PetscErrorCode LoadSparse(SparseSpectrum **function)
-{
-  PetscFunctionBegin;
-  *function = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-#endif
-
-/* Computes extreme eigenvalues by SLEPc. */
-static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
-{
-  SparseSpectrum *function;
-  PetscInt        N;
-
-  PetscFunctionBegin;
-  PetscCall(MatGetSize(A, &N, NULL));
-  PetscCall(LoadSparse(&function));
-  UserCheck(function,
-            "-patch_spectrum: %" PetscInt_FMT
-            " rows need SLEPc, which is not installed; without it at most %d rows are allowed",
-            N, SPECTRUM_DENSE);
-  PetscCall(function(A, spectrum));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   PatchSpectrum - Reports eigenvalues and condition number of -L dx^2 over the box, L: Laplacian
 
   Collective. Reports eig_min and eig_max, the least and largest real part of the eigenvalues [-],
-  and condition, the largest singular value divided by the least [-]. Up to 1000 rows LAPACK
-  computes all eigenvalues, for more rows SLEPc computes the extreme eigenvalues.
+  and condition, the largest singular value divided by the least [-]. LAPACK computes all
+  eigenvalues, redundantly on every rank.
 
-  Errors: more than 1000 rows without SLEPc, or an eigenvalue solver that does not converge, end the
-  run
+  Errors: more than SPECTRUM_MOST rows end the run
 */
 PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
 {
-  Mat      A;
-  Spectrum spectrum = {0.0, 0.0, 0.0};
+  const PetscReal dx2 = PetscSqr(patch->scene->dx);
+  const PetscInt  N   = patch->particles->N_fluid;
+  Mat             A, square;
+  PetscReal       eigenvalue[2], least, most;
+  PetscMPIInt     ranks;
 
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(patch->ops->velocity[0].visc.A, MAT_COPY_VALUES, &A));
-  PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
-  if (patch->particles->N_fluid <= SPECTRUM_DENSE) PetscCall(SpectrumDense(A, &spectrum));
-  else PetscCall(SpectrumSparse(A, &spectrum));
+  UserCheck(N <= SPECTRUM_MOST,
+            "-patch_spectrum: the matrix has %" PetscInt_FMT " rows, allowed are at most %d; use a "
+            "smaller -n, or -patch_spectrum false",
+            N, SPECTRUM_MOST);
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MatCreateRedundantMatrix(patch->ops->velocity[0].visc.A, ranks, MPI_COMM_NULL,
+                                     MAT_INITIAL_MATRIX, &A));
+  PetscCall(MatScale(A, -dx2));
+  PetscCall(AllEigenvalues(A, &eigenvalue[0], &eigenvalue[1]));
+  PetscCall(MatTransposeMatMult(A, A, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
+  PetscCall(AllEigenvalues(square, &least, &most));
+  PetscCall(MatDestroy(&square));
   PetscCall(MatDestroy(&A));
-  PetscCall(ReportAdd(report, "eig_min", spectrum.eig_min));
-  PetscCall(ReportAdd(report, "eig_max", spectrum.eig_max));
-  PetscCall(ReportAdd(report, "condition", spectrum.condition));
+  PetscCall(ReportAdd(report, "eig_min", eigenvalue[0]));
+  PetscCall(ReportAdd(report, "eig_max", eigenvalue[1]));
+  PetscCall(
+      ReportAdd(report, "condition", least > 0.0 ? PetscSqrtReal(most / least) : PETSC_INFINITY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

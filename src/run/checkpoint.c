@@ -47,15 +47,13 @@ const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 . -checkpoint_every T - write the file also after the first step at or past each multiple of T [s]
 - -restart file.h5    - file to restart from, on any number of ranks
 
-  Errors: a path that cannot be written ends the run, and so does a multistep TS, whose earlier
-  velocities PETSc keeps to itself
+  Errors: a path that cannot be written ends the run
 */
-PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints)
+PetscErrorCode CheckpointsCreate(Checkpoints **checkpoints)
 {
-  Checkpoints       *c;
-  PetscBool          every, good;
-  const LinearSolve *multistep = NULL;
-  char               part[PETSC_MAX_PATH_LEN];
+  Checkpoints *c;
+  PetscBool    every, good;
+  char         part[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
@@ -64,13 +62,6 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscCall(OptionGetReal(&options[CHECKPOINT_EVERY], &c->every, &every));
   PetscCall(OptionGetFile(&options[RESTART], c->restart));
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
-  for (PetscInt k = 0; k < scheme->n_solves; k++) {
-    if (scheme->solve[k]->multistep) multistep = scheme->solve[k];
-  }
-  UserCheck((!c->path[0] && !c->restart[0]) || !multistep,
-            "%s with -%sts_type %s: PETSc keeps the earlier velocities, and the file would lack "
-            "them; use beuler",
-            c->path[0] ? "-checkpoint" : "-restart", multistep->prefix, multistep->integrator);
   if (c->path[0]) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", c->path));
     PetscCall(FileReserve(part, 1, &good));
@@ -132,21 +123,6 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the values that monitors average, and adds them to the checksum. */
-static PetscErrorCode WriteMonitors(const Run *run, Hdf5File *file, uint64_t *sum)
-{
-  const int  n = (int)MonitorsCount(run->monitors);
-  PetscReal *values;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n + 1, &values));
-  MonitorsGet(run->monitors, values);
-  PetscCall(Hdf5WriteNumber(file, "n_monitors", H5T_NATIVE_INT, &n));
-  PetscCall(WriteTable(file, "monitors", n, 1, values, sum));
-  PetscCall(PetscFree(values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Writes the state of the run except the particles, and adds it to the checksum. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
@@ -184,7 +160,6 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(WriteTable(file, "memory", 1, memory->size, values, sum));
   PetscCall(PetscFree(values));
   PetscCall(WriteHistory(run, file, sum));
-  PetscCall(WriteMonitors(run, file, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -215,13 +190,12 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 {
   const Particles *p   = run->flow.particles;
   const PetscInt   own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
-  const size_t     numbers =
-      (size_t)(p->N_fluid + p->N_wall) * (size_t)(width + 1) + (size_t)MonitorsCount(run->monitors);
-  const size_t bytes = 8 * numbers + (size_t)262144;
-  char         part[PETSC_MAX_PATH_LEN];
-  PetscBool    good;
-  Hdf5File     file;
-  uint64_t     sum = 0;
+  const size_t     numbers = (size_t)(p->N_fluid + p->N_wall) * (size_t)(width + 1);
+  const size_t     bytes   = 8 * numbers + (size_t)262144;
+  char             part[PETSC_MAX_PATH_LEN];
+  PetscBool        good;
+  Hdf5File         file;
+  uint64_t         sum = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));

@@ -30,7 +30,7 @@ PetscErrorCode RunBegin(Run *run);
 PetscErrorCode RunDestroy(Run *run);
 
 /* checkpoint.c */
-PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints);
+PetscErrorCode CheckpointsCreate(Checkpoints **checkpoints);
 PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints);
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run);
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);

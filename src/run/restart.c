@@ -9,9 +9,8 @@
 typedef struct {
   long long  next_id;
   PetscReal *memory;
-  int        n_report, n_snapshots, n_monitors;
+  int        n_report, n_snapshots;
   PetscReal *report, *snapshots; /* rows of 4 and 3 numbers */
-  PetscReal *monitors;           /* values of their means */
   char      *names;              /* of the rows of the report, "a,b,..." */
   PetscInt   n;                  /* records on this rank */
   PetscReal *record;
@@ -117,9 +116,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   UserCheck(
       same,
       "-restart %s: its particles have other quantities than those of this run; use the same "
-      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -velocity_filter, -dt_adapt and "
-      "-probe_budget, and give -pressure_average and -surface_volume_rate above 0 in both runs or "
-      "in none",
+      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -velocity_filter and -dt_adapt, "
+      "and give -surface_volume_rate above 0 in both runs or in none",
       path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -171,15 +169,6 @@ static PetscErrorCode ReadHistory(Hdf5File *file, Stored *stored, uint64_t *sum)
   PetscCall(PetscCalloc1(room, &stored->names));
   PetscCall(Hdf5ReadText(file, "report_names", stored->names, room));
   CheckpointSumText(stored->names, sum);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads the values that monitors average, and adds them to the checksum. */
-static PetscErrorCode ReadMonitors(Hdf5File *file, Stored *stored, uint64_t *sum)
-{
-  PetscFunctionBegin;
-  PetscCall(Hdf5ReadNumber(file, "n_monitors", H5T_NATIVE_INT, &stored->n_monitors));
-  PetscCall(ReadTable(file, "monitors", stored->n_monitors, 1, &stored->monitors, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -266,7 +255,6 @@ static PetscErrorCode ReadFile(const Run *run, const char path[], Hdf5File *file
   PetscCall(CheckScene(run, path, file, &sum));
   PetscCall(ReadMemory(&run->flow.scheme->memory, path, file, stored, &sum));
   PetscCall(ReadHistory(file, stored, &sum));
-  PetscCall(ReadMonitors(file, stored, &sum));
   PetscCall(ReadKept(run->flow.scheme, path, file, stored, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(ReadRecords(run->flow.particles, file, stored, &sum));
@@ -301,7 +289,6 @@ static PetscErrorCode Restore(const Stored *stored, Run *run)
   }
   PetscCall(
       SnapshotsSet(run->snapshots, stored->n_snapshots, stored->snapshots, run->flow.clock->step));
-  PetscCall(MonitorsSet(run->monitors, stored->n_monitors, stored->monitors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -335,7 +322,6 @@ static PetscErrorCode StoredFree(Stored *stored)
   PetscCall(PetscFree(stored->memory));
   PetscCall(PetscFree(stored->report));
   PetscCall(PetscFree(stored->snapshots));
-  PetscCall(PetscFree(stored->monitors));
   PetscCall(PetscFree(stored->names));
   PetscCall(PetscFree(stored->record));
   PetscCall(PetscFree(stored->kept));

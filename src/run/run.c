@@ -37,17 +37,15 @@ static PetscErrorCode RunEnter(const Run *run, RunStage stage)
    of given fluid particles. */
 static PetscErrorCode RunChoose(Run *run, PetscInt given)
 {
-  Flow    *flow = &run->flow;
-  unsigned probes;
+  Flow *flow = &run->flow;
 
   PetscFunctionBegin;
   PetscCall(ClockCreate(flow->scene, &flow->clock));
   PetscCall(SnapshotsCreate(flow->scene, &run->snapshots));
   flow->clock->land_every = SnapshotsInterval(run->snapshots);
   PetscCall(SchemeCreate(flow));
-  PetscCall(MonitorsNeeds(&probes));
-  PetscCall(OperatorsCreate(
-      flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots) | probes, &flow->ops));
+  PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots),
+                            &flow->ops));
   PetscCall(MachineMemoryCheck(flow, given ? (PetscReal)given : ParticlesExpect(flow->scene),
                                &run->memory));
   PetscCall(SchemeSetUp(flow));
@@ -93,7 +91,7 @@ static PetscErrorCode RunOpenFiles(Run *run)
       PetscCall(MatrixFileCreate(scheme->solve[k]->prefix, &run->solve_matrix[k]));
   }
   if (run->flow.ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
-  PetscCall(CheckpointsCreate(scheme, &run->checkpoints));
+  PetscCall(CheckpointsCreate(&run->checkpoints));
   PetscCall(RunCheckOutputs(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -275,16 +273,13 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports the length of the average of the pressure if there is one, the number of undone steps if
-   steps are retried, the figures of the scheme, the number of steps rejected because of their
-   error, and the number of fallbacks of each solve that had any. */
+/* Reports the number of undone steps if steps are retried, the figures of the scheme, the number of
+   steps rejected because of their error, and the number of fallbacks of each solve that had any. */
 static PetscErrorCode RunReportChoices(Run *run)
 {
-  const Scheme   *scheme = run->flow.scheme;
-  const PetscReal T      = run->flow.state->average.T;
+  const Scheme *scheme = run->flow.scheme;
 
   PetscFunctionBegin;
-  if (T > 0.0) PetscCall(ReportAdd(run->report, "pressure_average", T));
   if (run->flow.clock->adapt->retries)
     PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
   for (PetscInt k = 0; k < scheme->n_figures; k++) {

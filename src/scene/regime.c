@@ -23,7 +23,7 @@ static const char *const words[FACTS][2] = {
     {"a box below 3 cells of the pressure along an axis", NULL},
     {"-dt", NULL},
     {"-steady", NULL},
-    {"-steady, or substeps", NULL},
+    {"several fluids", "one fluid"},
     {"-convection implicit", "explicit convection"},
     {"fixed particles on a lattice or relaxed", "moving or disordered particles"},
     {"-mls_degree 3", NULL},

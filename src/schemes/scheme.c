@@ -94,12 +94,11 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow));
   PetscCall(MotionCreate(flow, &s->needs));
-  PetscCall(AverageCreate(flow));
   PetscCall(OpeningsCreate(flow));
   PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
-  PetscCall(UnevennessRemember(flow));
+  PetscCall(UnevennessReport(flow));
   PetscCall(AccelerationRemember(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,7 +119,6 @@ PetscErrorCode SchemeRegister(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(FlowStateRegister(flow));
-  PetscCall(AverageRegister(flow));
   PetscCall(AccelerationRegister(flow));
   PetscCall(BodiesRegister(flow->scene, flow->scheme));
   PetscCall(FreeBodiesCreate(flow));
@@ -135,9 +133,6 @@ PetscErrorCode SchemeDestroy(Flow *flow)
 {
   PetscFunctionBegin;
   if (!flow->scheme) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < flow->scheme->n_observers; k++) {
-    if (flow->scheme->observer[k]->Destroy) PetscCall(flow->scheme->observer[k]->Destroy(flow));
-  }
   PetscCall(flow->scheme->row->Destroy(flow));
   PetscCall(AttemptDestroy(&flow->scheme->attempt));
   PetscCall(FreeBodiesDestroy(flow->scene, &flow->state->bodies));

@@ -4,20 +4,19 @@
 */
 #include "isph/solvers.h"
 
-static const char *const Linear[]   = {"visc",
-                                       "ppe",
-                                       "coupled",
-                                       "coupled_schur",
-                                       "coupled_fieldsplit_velocity",
-                                       "coupled_fieldsplit_pressure",
-                                       NULL};
-static const char *const Solvers[]  = {"visc", "ppe", "coupled", NULL};
-static const char *const Implicit[] = {"visc", "coupled", NULL};
-static const char *const Times[]    = {"visc", "coupled", "wcsph", NULL};
+static const char *const Linear[]  = {"visc",
+                                      "ppe",
+                                      "coupled",
+                                      "coupled_schur",
+                                      "coupled_fieldsplit_velocity",
+                                      "coupled_fieldsplit_pressure",
+                                      NULL};
+static const char *const Solvers[] = {"visc", "ppe", "coupled", NULL};
+static const char *const Times[]   = {"visc", "wcsph", NULL};
 
 /* clang-format off */
 #define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
-#define IMPLICIT(word)  .name = "-<implicit>_" word, .kind = VALUE_SOLVER, .places = Implicit
+#define VISCOUS(word)   .name = "-visc_" word, .kind = VALUE_SOLVER
 #define TIMES(word)     .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
 #define MONITOR(option, words) .name = option, .kind = VALUE_MONITOR, .places = words
 /* clang-format on */
@@ -209,21 +208,17 @@ static const OptionRow options[] = {
         .brief = "control of substeps",
     },
     {
-        IMPLICIT("ts_theta_theta"),
+        VISCOUS("ts_theta_theta"),
         .brief    = "theta of the theta method, above 0 to 1",
         .unit     = "-",
         .standard = "0.5",
     },
     {
-        IMPLICIT("ts_bdf_order"),
-        .brief = "order of backward differentiation",
-    },
-    {
-        IMPLICIT("ts_arkimex_type"),
+        VISCOUS("ts_arkimex_type"),
         .brief = "additive Runge-Kutta method",
     },
     {
-        IMPLICIT("ts_rosw_type"),
+        VISCOUS("ts_rosw_type"),
         .brief = "Rosenbrock-W method",
     },
     {
@@ -243,18 +238,19 @@ static const OptionRow options[] = {
         .brief = "print the integrator at the end of the run",
     },
     {
-        IMPLICIT("snes_type"),
+        VISCOUS("snes_type"),
         .brief    = "nonlinear solver",
         .standard = "newtonls where viscosity follows the strain rate",
     },
     {
-        IMPLICIT("snes_rtol"),
+        VISCOUS("snes_rtol"),
         .brief    = "tolerance of the nonlinear residual",
         .unit     = "-",
         .standard = "visc 1e-6",
     },
     {
-        MONITOR("-<implicit>_snes_monitor", Implicit),
+        .name  = "-visc_snes_monitor",
+        .kind  = VALUE_MONITOR,
         .brief = "print the residual of each nonlinear iteration",
     },
     {

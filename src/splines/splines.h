@@ -247,8 +247,7 @@ struct Splines {
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
-  Vec        kept;      /* state in the order of the lattice: of each spline the pressure and, with
-                          -pressure_average, its mean [Pa] */
+  Vec        kept;      /* state in the order of the lattice: the pressure of each spline [Pa] */
   Vec        natural;   /* work: a number of each spline in the order of the lattice */
   VecScatter renumber;  /* p -> natural */
   Vec        wall_flux; /* work: at points on the boundary */
@@ -373,8 +372,7 @@ PetscErrorCode SplineInverseColumn(const Splines *s, Mat column);
 PetscErrorCode SplineInversePC(SplineInverse *inverse, PC pc);
 
 /* splinestep.c */
-PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,
-                          Splines *s);
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, Splines *s);
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
 PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
@@ -385,7 +383,6 @@ PetscErrorCode SplinesFollow(Splines *s);
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s);
 PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
                                PetscReal *p);
-PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
 
 /* ---- splinesearch.c: particles around the points of quadrature in a cell of the splines ---- */

@@ -6,7 +6,7 @@
   SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero
 
   Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles;
-  degree - of fits; mean - the mean of the pressure is kept, too.
+  degree - of fits.
 
   Note: the gradient of quadratic splines has an error of second order at particles, whose mean over
   the particles is not zero. So the pressure is of second order, whatever the fits are; with cubic
@@ -14,12 +14,8 @@
   that a body cuts the divergence has linear velocities, so splines beside bodies stay quadratic.
   See docs/theory.md, (144).
 */
-PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,
-                          Splines *s)
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, Splines *s)
 {
-  const PetscInt each = mean ? 2 : 1;
-  PetscInt       n;
-
   PetscFunctionBegin;
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
   PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
@@ -30,11 +26,7 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
   for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
   s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
   PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
-  PetscCall(VecGetLocalSize(s->natural, &n));
-  PetscCall(VecCreate(PETSC_COMM_WORLD, &s->kept));
-  PetscCall(VecSetSizes(s->kept, each * n, PETSC_DETERMINE));
-  PetscCall(VecSetBlockSize(s->kept, each));
-  PetscCall(VecSetType(s->kept, VECMPI));
+  PetscCall(VecDuplicate(s->natural, &s->kept));
   PetscCall(VecSet(s->kept, 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -46,14 +38,13 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
 */
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
 {
-  const PetscBool mean = flow->state->average.T > 0.0;
-  PetscInt        degree;
-  Splines        *s;
+  PetscInt degree;
+  Splines *s;
 
   PetscFunctionBegin;
   PetscCall(OperatorsDegree(flow->scene, &degree));
   PetscCall(PetscNew(&s));
-  PetscCall(SplinesSet(flow->scene, ratio, degree, mean, s));
+  PetscCall(SplinesSet(flow->scene, ratio, degree, s));
   flow->scheme->kept    = s->kept;
   flow->scheme->splines = *splines = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -69,22 +60,13 @@ PetscErrorCode SplinesDestroy(Splines **splines)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gets number `k` of each spline from the kept state. */
-static PetscErrorCode GetKept(PetscInt k, Splines *s, Vec v)
-{
-  PetscFunctionBegin;
-  PetscCall(VecStrideGather(s->kept, k, s->natural, INSERT_VALUES));
-  PetscCall(VecScatterBegin(s->renumber, s->natural, v, INSERT_VALUES, SCATTER_REVERSE));
-  PetscCall(VecScatterEnd(s->renumber, s->natural, v, INSERT_VALUES, SCATTER_REVERSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplinesBegin - Takes the pressure from its kept copy, at the start, after a restart or an undone
    step; collective */
 PetscErrorCode SplinesBegin(Splines *s)
 {
   PetscFunctionBegin;
-  PetscCall(GetKept(0, s, s->p));
+  PetscCall(VecScatterBegin(s->renumber, s->kept, s->p, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(s->renumber, s->kept, s->p, INSERT_VALUES, SCATTER_REVERSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,7 +173,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
     else scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
   }
   PetscCall(VecRestoreArray(s->natural, &p));
-  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
+  PetscCall(VecCopy(s->natural, s->kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -325,7 +307,7 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
   PetscCall(VecScatterBegin(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(KeepSlaves(s));
-  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
+  PetscCall(VecCopy(s->natural, s->kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -376,24 +358,6 @@ PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, con
     if (own >= 0 && own < s->own.size) *p += at.value[k] * coefficient[own];
   }
   PetscCall(VecRestoreArrayRead(s->p, &coefficient));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SplinesAverage - Adds the pressure over dt to its mean over a time `length`, and sets the mean of
-   particles to that of the splines; collective */
-PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean)
-{
-  PetscScalar *kept;
-  PetscInt     n;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(s->kept, &n));
-  PetscCall(VecGetArray(s->kept, &kept));
-  for (PetscInt k = 0; k < n; k += 2)
-    kept[k + 1] = (length * kept[k + 1] + dt * kept[k]) / (length + dt);
-  PetscCall(VecRestoreArray(s->kept, &kept));
-  PetscCall(GetKept(1, s, s->b));
-  PetscCall(SplinesValue(s, s->b, mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -43,7 +43,6 @@ enum {
   DT_ADAPT,
   DT_MAX,
   DT_RTOL,
-  DT_MOVE_MAX,
   MAX_STEPS,
   TIME_ORDER,
   STEADY,
@@ -114,18 +113,6 @@ static const OptionRow options[] = {
             .low      = 1e-8,
             .high     = 0.1,
             .where    = "-dt_adapt error",
-        },
-    [DT_MOVE_MAX] =
-        {
-            .name     = "-dt_move_max",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "displacement of a particle with the flow above which a step is undone",
-            .unit     = "dx",
-            .standard = "0.6",
-            .low      = 0.01,
-            .high     = 10.0,
-            .where    = "-dt_adapt retry or error",
         },
     [MAX_STEPS] =
         {
@@ -200,9 +187,8 @@ static PetscErrorCode ClockReadReports(Clock *clock)
 /* Reads -steady: a single step to t_end without du/dt. */
 static PetscErrorCode ClockReadSteady(Clock *clock)
 {
-  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",      "-report_times",
-                                "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every",
-                                "-dt_max"};
+  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",   "-report_times",
+                                "-dt_adapt", "-time_order", "-output_every", "-dt_max"};
 
   PetscFunctionBegin;
   PetscCall(OptionGetSwitch(&options[STEADY], &clock->steady_solve, NULL));
@@ -224,7 +210,6 @@ static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
   UserCheck(c->dt_given == 0.0 || !c->adapt->follows || (c->adapt->retries && !c->adapt->estimates),
             "-dt_adapt %s and -dt cannot both be given: give %s", c->adapt->name,
             c->adapt->estimates ? "-dt_max" : "-cfl");
-  if (c->adapt->retries) PetscCall(OptionGetReal(&options[DT_MOVE_MAX], &c->move_max, NULL));
   if (c->adapt->estimates) PetscCall(OptionGetReal(&options[DT_RTOL], &c->control.rtol, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -241,7 +226,6 @@ static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
 . -dt_adapt name      - control of the step length
 . -dt_max DT          - upper bound of dt [s]
 . -dt_rtol TOL        - largest error of a step with -dt_adapt error
-. -dt_move_max M      - largest displacement of a particle in a step that is not retried [dx]
 . -max_steps N        - stop after N steps
 . -time_order 1|2|3   - order of the time integration
 . -steady             - no du/dt: a single step to t_end with -scheme coupled
@@ -256,7 +240,6 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(PetscNew(&c));
   c->t_end       = scene->problem->t_end * scene->length / scene->speed;
   c->max_steps   = PETSC_INT_MAX;
-  c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
   c->dt_max      = PETSC_INFINITY;
   c->control.dt  = PETSC_INFINITY;

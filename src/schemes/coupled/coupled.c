@@ -1,27 +1,10 @@
 /*
-  The coupled scheme: its row, integrators, options and refusals. It solves for velocity and
-  pressure together, in time or for a steady flow.
+  The coupled scheme: its row, options and refusals. It solves for velocity and pressure together,
+  in time or for a steady flow.
 */
 #include "coupled.h"
-#include "schemes/surface/surface.h"
-
 #include "schemes/stages/stages.h"
-
-static const CoupledIntegratorRow integrators[] = {
-    {.name     = TSBEULER,
-     .brief    = "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on "
-                 "particles",
-     .citation = "Hairer & Wanner, Solving ODEs II (1996)"},
-    {.name     = TSROSW,
-     .brief    = "Rosenbrock-W of order 3 in substeps with error control; fixed particles",
-     .citation = "Rang & Angermann, BIT 45 (2005)",
-     .substeps = PETSC_TRUE},
-    {.name     = TSBDF,
-     .brief    = "backward differentiation in substeps with error control; fixed particles",
-     .citation = "Hairer & Wanner, Solving ODEs II (1996)",
-     .substeps = PETSC_TRUE},
-};
-const Table CoupledIntegratorTable = TABLE("Time integrators of the coupled scheme", integrators);
+#include "schemes/surface/surface.h"
 
 static const CoupledGradientRow gradients[] = {
     {.name = "fit", .brief = "that of -gradient: as accurate as the divergence", .citation = ""},
@@ -36,27 +19,16 @@ static const CoupledGradientRow gradients[] = {
 };
 const Table CoupledGradientTable = TABLE("Pressure gradients of the coupled scheme", gradients);
 
-enum { TS_TYPE, PRESSURE_GRADIENT };
 static const OptionRow options[] = {
-    [PRESSURE_GRADIENT] =
-        {
-            .name     = "-coupled_gradient",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_NAME,
-            .brief    = "pressure gradient",
-            .standard = REGIME,
-            .table    = &CoupledGradientTable,
-            .where    = "-scheme coupled with -pressure_points same",
-        },
-    [TS_TYPE] =
-        {
-            .name     = "-coupled_ts_type",
-            .kind     = VALUE_NAME,
-            .brief    = "time integrator of the coupled scheme",
-            .standard = TSBEULER,
-            .table    = &CoupledIntegratorTable,
-            .where    = "-scheme coupled",
-        },
+    {
+        .name     = "-coupled_gradient",
+        .expert   = PETSC_TRUE,
+        .kind     = VALUE_NAME,
+        .brief    = "pressure gradient",
+        .standard = REGIME,
+        .table    = &CoupledGradientTable,
+        .where    = "-scheme coupled with -pressure_points same",
+    },
 };
 const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 
@@ -85,9 +57,11 @@ static PetscErrorCode RefuseForms(const Flow *flow)
 /* Refuses -steady for flows with no steady state or with several steady states. */
 static PetscErrorCode RefuseSteady(const Flow *flow)
 {
-  const Scene *scene = flow->scene;
+  const Scene *scene  = flow->scene;
+  PetscBool    filter = PETSC_FALSE;
 
   PetscFunctionBegin;
+  if (!flow->clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(!SceneMoves(scene), "-steady: particles that move have no steady positions; use "
                                 "-motion eulerian, or -without convection for creeping flow");
   UserCheck(SceneHas(scene, PHYSICS_WALLS),
@@ -96,48 +70,16 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   UserCheck(!SceneIsDrivenInTime(scene) &&
                 !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
             "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
-            "time, with -coupled_ts_type rosw in steps of any length");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses moving particles for integrators with substeps, and the options -velocity_filter and
-   -time_order for substeps and steady flows, where they have no meaning. */
-static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow *row)
-{
-  const PetscBool steady = flow->clock->steady_solve;
-  PetscBool       filter, order;
-
-  PetscFunctionBegin;
-  UserCheck(
-      !SceneMoves(flow->scene) || !row->substeps,
-      "-coupled_ts_type %s: its substeps need fixed particles; use beuler, or -motion eulerian",
-      row->name);
-  UserCheck(!SceneHasFreeBodies(flow->scene) || !row->substeps,
-            "-coupled_ts_type %s: it has its substeps without bodies that are free; use beuler",
-            row->name);
-  UserCheck(SceneIsNewtonian(flow->scene) || !row->substeps,
-            "-coupled_ts_type %s: a viscosity that follows the strain rate needs iterations in "
-            "each step, and substeps have none; use beuler",
-            row->name);
-  if (!steady && !row->substeps) PetscFunctionReturn(PETSC_SUCCESS);
-  if (flow->scene->motion) {
-    PetscCall(OptionGiven("-velocity_filter", &filter));
-    UserCheck(!filter, "-velocity_filter: %s applies no filter to convection",
-              steady ? "-steady" : "this -coupled_ts_type");
-  }
-  PetscCall(OptionGiven("-time_order", &order));
-  UserCheck(!order, "-time_order: -coupled_ts_type %s has its own order", row->name);
+            "time, with -dt_adapt error");
+  if (scene->motion) PetscCall(OptionGiven("-velocity_filter", &filter));
+  UserCheck(!filter, "-velocity_filter: -steady applies no filter to convection");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   CoupledCreate - Reads the options of the coupled scheme
 
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Key:
-. -coupled_ts_type - row of the table of integrators; for options of the solver see
-                     CoupledSolverCreate()
+  Collective on PETSC_COMM_WORLD. For options of the solver see CoupledSolverCreate().
 */
 static PetscErrorCode CoupledCreate(Flow *flow)
 {
@@ -162,25 +104,17 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   UserCheck(!SceneMovesGraded(scene),
             "-scheme coupled: particles that move have a uniform spacing with it; use -scheme "
             "projection, or -motion eulerian");
-  if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
+  PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
-  PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
-  if (c->row->substeps || flow->clock->steady_solve)
-    RegimeSetFact(scene->regime, FACT_SUBSTEPS, PETSC_TRUE);
   PetscCall(PressurePointsChoose(scene, &points));
   if (!points->coarse) PetscCall(VolumesCreate(flow));
-  PetscCall(RefuseHistory(flow, c->row));
-  if (c->row->substeps)
-    PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
-  c->convects = flow->state->has_convection && c->row->substeps;
   flow->scheme->needs |= NEED_MATRICES;
   if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &c->spacing));
   else flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
-  if (c->row->substeps || flow->clock->steady_solve) {
+  if (flow->clock->steady_solve) {
     flow->state->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
   }
-  PetscCall(MemoryAddReal(&flow->scheme->memory, "coupled_substep", &c->substep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -198,12 +132,12 @@ static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
                     ? PETSC_TRUE
                     : PETSC_FALSE);
   standard = RegimeWord(regime, REGIME_GRADIENT);
-  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], standard, &c->gradient));
+  PetscCall(OptionGetRow(&options[0], standard, &c->gradient));
   PetscCall(PetscStrcmp(standard, gradients[0].name, &fits));
   UserCheck(!c->gradient->natural || !fits,
             "%s natural: it needs a free surface without tension and -visc_laplacian "
             "pairwise_stress; use fit or adjoint",
-            options[PRESSURE_GRADIENT].name);
+            options[0].name);
   c->saddle.adjoint = c->gradient->adjoint;
   c->saddle.natural = c->gradient->natural;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -254,11 +188,9 @@ static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
   const Coupled *c = (const Coupled *)flow->scheme->data;
 
   PetscFunctionBegin;
-  if (!flow->clock->steady_solve) PetscCall(TableViewRow("coupled TS", c->row, viewer));
   if (flow->scheme->splines) PetscCall(SplinesView(flow->scheme->splines, viewer));
   if (c->gradient && c->gradient != &gradients[0])
     PetscCall(TableViewRow("grad p", c->gradient, viewer));
-  PetscCall(TableViewRow("schur", c->schur.row, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -283,7 +215,6 @@ static const Stage solve = {
     .name   = "solve",
     .brief  = "new velocity and pressure together",
     .Do     = CoupledSolve,
-    .part   = PART_SOLVE,
     .solves = PETSC_TRUE,
 };
 

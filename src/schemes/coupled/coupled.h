@@ -12,14 +12,8 @@
 #include "saddle.h"
 #include "schemes/stages/pressurepoints.h"
 
-extern const Table       CoupledIntegratorTable, CoupledGradientTable, SchurTable;
-extern const OptionTable CoupledOptions, CoupledSolverOptions;
-
-/* Time integrator of the coupled scheme. */
-typedef struct {
-  const char *name, *brief, *citation; /* name: the TS type */
-  PetscBool   substeps; /* substeps with error control; else a single step from u^n and u^{n-1} */
-} CoupledIntegratorRow;
+extern const Table       CoupledGradientTable;
+extern const OptionTable CoupledOptions;
 
 /* Pressure gradient of the coupled scheme. */
 typedef struct {
@@ -29,15 +23,7 @@ typedef struct {
 } CoupledGradientRow;
 
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */
-typedef struct Schur Schur;
 typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   poisson; /* needs the pressure Laplacian */
-  PetscErrorCode (*Apply)(Schur *schur, Vec x, Vec y);
-} SchurRow;
-
-struct Schur {
-  const SchurRow    *row;
   const Scene       *scene;
   const Particles   *particles;
   const Saddle      *saddle;         /* units of the particles */
@@ -45,7 +31,7 @@ struct Schur {
   Splines           *splines;        /* NULL: the pressure is on particles */
   Mat                mass;           /* the identity, for other PCs than shell */
   Mat                poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
-  KSP                ksp;            /* solver of poisson; NULL: not needed */
+  KSP                ksp;            /* solver of poisson */
   KspViews           views;          /* -coupled_schur_ksp_view, ... */
   Vec                work;           /* work vector */
   PC                 products;       /* of the mass matrix of splines */
@@ -53,7 +39,7 @@ struct Schur {
   Vec                flux, part;     /* of splines: work vectors */
   PetscInt           numbering;      /* of splines: stamp of the last set-up */
   PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
-};
+} Schur;
 
 PetscErrorCode SchurCreate(Schur *schur);
 PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
@@ -77,29 +63,24 @@ PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *saddle, Velocity
 PetscErrorCode VelocityBlockFree(VelocityBlock *block);
 
 typedef struct {
-  const CoupledIntegratorRow *row;
-  const CoupledGradientRow   *gradient; /* NULL: that of splines */
-  PetscReal                   spacing;  /* of splines: edge of a cell [dx]; 0: none */
-  TS                          ts;
-  Guard                       guard;
-  Saddle                      saddle;
-  Mat                         flat; /* P for preconditioners without blocks, otherwise NULL */
-  VelocityBlock               velocity;
-  Schur                       schur;
-  Vec                         x, b;                /* unknowns; right-hand side at time b_t [m/s] */
-  PetscReal                   b_t;                 /* NaN: b is out of date [s] */
-  Vec                         part, work;          /* work vectors of a component */
-  Vec                         all_walls, boundary; /* wall velocities of interlaced components,
-                                                      their viscous terms; NULL: not coupled */
-  Vec       u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
-  PetscReal substep;         /* last substep of the integrator [s] */
+  const CoupledGradientRow *gradient; /* NULL: that of splines */
+  PetscReal                 spacing;  /* of splines: edge of a cell [dx]; 0: none */
+  Guard                     guard;
+  Saddle                    saddle;
+  Mat                       flat;   /* P for preconditioners without blocks, otherwise NULL */
+  PetscBool                 splits; /* the preconditioner has blocks */
+  VelocityBlock             velocity;
+  Schur                     schur;
+  Vec                       x, b;                /* unknowns; right-hand side [m/s] */
+  Vec                       part, work;          /* work vectors of a component */
+  Vec                       all_walls, boundary; /* wall velocities of interlaced components,
+                                                    their viscous terms; NULL: not coupled */
+  Vec                       u[ISPH_MAX_DIM];     /* components of x [m/s] */
 
-  Flow      *flow;           /* of the present step, for callbacks */
-  Vec       *force;          /* [m/s^2] */
-  PetscReal  end;            /* of the present step or stage [s] */
-  PetscBool  force_by_stage; /* the force is computed at each stage, without convection */
-  PetscBool  convects;       /* stages apply convection themselves */
-  const Vec *advecting;      /* v of implicit convection; NULL: none [m/s] */
+  Flow      *flow;      /* of the present step */
+  Vec       *force;     /* [m/s^2] */
+  PetscReal  end;       /* of the present step or stage [s] */
+  const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
 
   StressTangent *tangent; /* of a rheology in an iteration; NULL: none */
 } Coupled;
@@ -117,10 +98,6 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
 PetscErrorCode CoupledForce(Coupled *coupled);
 PetscErrorCode CoupledSecondForce(Coupled *coupled, PetscReal first, PetscReal weight);
 PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
-PetscErrorCode CoupledAddConvection(Coupled *coupled, PetscReal t, Vec x, PetscReal scale, Vec f);
-PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx);
-PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
-                                void *ctx);
 
 /* step.c */
 PetscErrorCode CoupledStart(Flow *flow);

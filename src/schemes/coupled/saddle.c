@@ -406,23 +406,3 @@ PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part,
   PetscCall(VecRestoreArrayRead(part, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* SaddleAddInertia - Adds T_i (du/dt - shift u) to the rows of momentum; not collective */
-PetscErrorCode SaddleAddInertia(const Saddle *s, Vec x, Vec xdot, Vec f)
-{
-  const PetscScalar *u, *udot, *time;
-  PetscScalar       *r;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(x, &u));
-  PetscCall(VecGetArrayRead(xdot, &udot));
-  PetscCall(VecGetArrayRead(s->time, &time));
-  PetscCall(VecGetArray(f, &r));
-  for (PetscInt k = 0; k < s->dim * s->n; k++)
-    r[k] += s->step * (time[k / s->dim] * (udot[k] - s->shift * u[k]));
-  PetscCall(VecRestoreArray(f, &r));
-  PetscCall(VecRestoreArrayRead(s->time, &time));
-  PetscCall(VecRestoreArrayRead(xdot, &udot));
-  PetscCall(VecRestoreArrayRead(x, &u));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -44,7 +44,6 @@ PetscErrorCode SaddleFlatten(Mat P, Mat *flat);
 PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
-PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 
 /* saddlesplines.c */
 PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *saddle);

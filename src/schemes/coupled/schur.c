@@ -6,8 +6,7 @@
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
   with the factor shift of u in du/dt, sigma = dx^2/T, and the time T of the scaling:
-  docs/theory.md, (95), for particles of several sizes (96). A new approximation needs a function
-  and a row.
+  docs/theory.md, (95), for particles of several sizes (96).
 */
 #include "coupled.h"
 
@@ -23,13 +22,13 @@ static PetscErrorCode SplineMassApply(Schur *s, Vec z, Vec y)
 }
 
 /*
-  SchurApply_Mass - Applies y = x, the limit of S^-1 (top of this file) for long steps:
+  Applies y = x, the limit of S^-1 (top of this file) for long steps:
   nu/sigma = 1, shift = 0; on splines the inverse of the mass matrix
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014)
 */
-static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
+static PetscErrorCode ApplyMass(Schur *s, Vec x, Vec y)
 {
   PetscFunctionBegin;
   if (!s->splines) {
@@ -95,7 +94,7 @@ static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
 }
 
 /*
-  SchurApply_CahouetChabard - Applies S^-1 for any step:
+  Applies S^-1 for any step:
 
     y_i = T_i/dx_i (nu_i x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
 
@@ -106,11 +105,11 @@ static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
-static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
+static PetscErrorCode ApplyCahouetChabard(Schur *s, Vec x, Vec y)
 {
   PetscFunctionBegin;
-  if (s->inert == 0.0 || s->splines) {
-    PetscCall(s->inert == 0.0 ? SchurApply_Mass(s, x, y) : SplineSchurApply(s, x, y));
+  if (s->splines) {
+    PetscCall(SplineSchurApply(s, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
@@ -128,46 +127,32 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const SchurRow schurs[] = {
-    {.name     = "cahouet_chabard",
-     .brief    = "viscous part plus a Poisson equation over dt: for any step",
-     .citation = "Cahouet & Chabard, Int. J. Numer. Meth. Fluids 8 (1988)",
-     .poisson  = PETSC_TRUE,
-     .Apply    = SchurApply_CahouetChabard},
-    {.name     = "mass",
-     .brief    = "identity in scaled unknowns: for dt much larger than dx^2/nu, and -steady",
-     .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
-     .Apply    = SchurApply_Mass},
-};
-const Table SchurTable = TABLE("Preconditioners of the pressure in the coupled scheme", schurs);
-
 static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
 {
   Schur *s;
 
   PetscFunctionBegin;
   PetscCall(PCShellGetContext(pc, &s));
-  PetscCall(s->row->Apply(s, x, y));
+  PetscCall(s->inert == 0.0 ? ApplyMass(s, x, y) : ApplyCahouetChabard(s, x, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Sets the chosen approximation of the Schur complement as the shell of the pressure;
+/* SchurAttach - Sets the approximation of the Schur complement as the shell of the pressure;
    collective */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
   PetscFunctionBegin;
-  PetscCall(SolverAttachShell(fieldsplit, 1, s->row->name, s, Schur_Apply));
+  PetscCall(SolverAttachShell(fieldsplit, 1, "cahouet_chabard", s, Schur_Apply));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurCreate - Creates the KSP of the Poisson equation, if needed, by default a single cycle of
-   AMG; collective */
+/* SchurCreate - Creates the KSP of the Poisson equation, by default a single cycle of AMG;
+   collective */
 PetscErrorCode SchurCreate(Schur *s)
 {
   PC pc;
 
   PetscFunctionBegin;
-  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &s->ksp));
   PetscCall(KSPSetOptionsPrefix(s->ksp, "coupled_schur_"));
   PetscCall(KSPSetType(s->ksp, KSPPREONLY));
@@ -202,7 +187,6 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
   PetscCall(PCSetOperators(s->products, sp->M, sp->M));
   PetscCall(PCSetUp(s->products));
   PetscCall(MatDestroy(&s->poisson));
-  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatConvert(sp->K, type, MAT_INITIAL_MATRIX, &s->poisson));
   PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));
@@ -227,7 +211,7 @@ static PetscErrorCode SetUpPoisson(const Flow *flow, MatType type, Schur *s)
 
   Collective. Input: anew - the solver of the Poisson equation is set up anew.
 
-  Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than shell
+  Notes: PETSc gets the identity, the limit of long steps, so that preconditioners other than shell
   (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
 PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
@@ -245,7 +229,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscCall(MatCreateConstantDiagonal(flow->particles->comm, saddle->n_p, saddle->n_p,
                                       PETSC_DETERMINE, PETSC_DETERMINE, 1.0, &s->mass));
   if (s->splines) PetscCall(AssembleOnSplines(type, s));
-  else if (s->row->poisson && anew) PetscCall(SetUpPoisson(flow, type, s));
+  else if (anew) PetscCall(SetUpPoisson(flow, type, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

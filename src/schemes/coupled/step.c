@@ -2,9 +2,7 @@
   The coupled step: a solve for velocity and pressure together, either in time or steady, with
   iterations for steady convection and for viscosities that follow the strain rate. A step without
   earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in which
-  the velocity jumps is solved again with a larger share of order 1 (velocityjump.c). In the first
-  step in time with substeps, a backward Euler step makes the velocity solenoidal before the
-  substeps begin.
+  the velocity jumps is solved again with a larger share of order 1 (velocityjump.c).
 */
 #include "coupled.h"
 
@@ -72,53 +70,37 @@ static PetscErrorCode SolvePicard(Vec b, Coupled *c, StepFailure *failure, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes a backward Euler step to t over h from the velocity `start`, with the present unknowns as
-   guess. */
-static PetscErrorCode StepEuler(PetscReal t, PetscReal h, const Vec start[], Coupled *c,
-                                StepFailure *failure)
+/* Solves the linear system for the change of the present unknowns, to a share of their residual. */
+static PetscErrorCode SolveChange(Vec b, Coupled *c, StepFailure *failure)
 {
-  const PetscReal T = c->saddle.step;
-  Vec             b;
+  Vec r, change;
 
   PetscFunctionBegin;
-  PetscCall(CoupledSetShift(1.0 / h, c));
-  PetscCall(CoupledRightHandSide(c, t));
-  PetscCall(VecDuplicate(c->b, &b));
-  PetscCall(VecCopy(c->b, b));
-  if (c->convects) PetscCall(CoupledAddConvection(c, t, c->x, -T, b));
-  for (PetscInt a = 0; a < c->saddle.dim; a++)
-    PetscCall(SaddleAdd(&c->saddle, a, T / h, start[a], b));
-  PetscCall(SolveLinear(b, c, failure));
-  PetscCall(VecDestroy(&b));
+  PetscCall(VecDuplicate(b, &r));
+  PetscCall(VecDuplicate(b, &change));
+  PetscCall(MatMult(c->saddle.A, c->x, r));
+  PetscCall(VecAYPX(r, -1.0, b));
+  PetscCall(KSPSetOperators(c->guard.solve.ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
+  PetscCall(KSPSolve(c->guard.solve.ksp, r, change));
+  PetscCall(VecAXPY(c->x, 1.0, change));
+  PetscCall(GuardCheck(&c->guard, failure));
+  c->guard.solve.iterations += c->guard.iterations;
+  PetscCall(VecDestroy(&change));
+  PetscCall(VecDestroy(&r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Advances from t over dt: by a single step of the TS, or by substeps with error control if the row
-  of the integrator has them. The first substep has the length of the last substep of the step
-  before. In the first step of a run, a backward Euler step advances over dt/100 before the
-  substeps: the velocity at the start need not be solenoidal and agree with the wall velocity, and
-  an integrator with error control would never accept a step from it.
-*/
-static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepFailure *failure)
+/* Makes a backward Euler step to c->end over h from the velocity `start`, with the present unknowns
+   as guess. */
+static PetscErrorCode StepEuler(PetscReal h, const Vec start[], Coupled *c, StepFailure *failure)
 {
-  PetscReal h = dt, started = 0.0;
-
   PetscFunctionBegin;
-  if (c->row->substeps && c->substep == 0.0) {
-    h = started = 0.01 * dt;
-    PetscCall(SaddleGet(&c->saddle, c->x, c->u, NULL));
-    PetscCall(StepEuler(t + started, started, c->u, c, failure));
-  } else if (c->row->substeps) {
-    h = PetscMin(c->substep, dt);
-  }
-  PetscCall(
-      TSSetIJacobian(c->ts, c->saddle.A, c->flat ? c->flat : c->saddle.P, CoupledIJacobian, c));
-  PetscCall(TSSetSolution(c->ts, c->x));
-  PetscCall(TSRestartStep(c->ts));
-  PetscCall(
-      TimeStepThrough(c->ts, c->row->name, &c->guard, t + started, dt - started, &h, failure));
-  if (c->row->substeps) c->substep = h;
+  PetscCall(CoupledSetShift(1.0 / h, c));
+  PetscCall(CoupledRightHandSide(c, c->end));
+  for (PetscInt a = 0; a < c->saddle.dim; a++)
+    PetscCall(SaddleAdd(&c->saddle, a, c->saddle.step / h, start[a], c->b));
+  if (c->tangent) PetscCall(SolveLinear(c->b, c, failure));
+  else PetscCall(SolveChange(c->b, c, failure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -221,7 +203,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
     PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? past : NULL, c));
     PetscCall(SaddlePut(&c->saddle, v, pressure, c->x));
     if (start) {
-      PetscCall(StepEuler(c->end, dt, start, c, failure));
+      PetscCall(StepEuler(dt, start, c, failure));
     } else {
       PetscCall(CoupledRightHandSide(c, c->end));
       if (c->tangent) PetscCall(SolveLinear(c->b, c, failure));
@@ -257,9 +239,8 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
   PetscCall(SaddlePut(&c->saddle, s->u_next, Pressure(flow), c->x));
-  c->b_t = NAN; /* the force is new */
   if (!steady && newtonian) {
-    PetscCall(AdvanceInTime(c->end - dt, dt, c, failure));
+    PetscCall(StepEuler(dt, s->u_next, c, failure));
   } else if (steady) {
     PetscCall(CoupledRightHandSide(c, c->end));
     PetscCall(SolveLinear(c->b, c, failure));
@@ -363,11 +344,11 @@ PetscErrorCode CoupledSolve(Flow *flow)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
-  c->force          = force;
-  c->end            = end;
-  c->force_by_stage = c->row->substeps || flow->clock->steady_solve;
-  if (c->force_by_stage) {
+  c->force = force;
+  c->end   = end;
+  if (flow->clock->steady_solve) {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
+    PetscCall(CoupledForce(c));
     PetscCall(SolveSystem(flow, dt, c));
   } else if (flow->clock->order > 1 && ClockRatio(flow->clock) == 0.0) {
     PetscCall(StepFirst(flow, c));

@@ -1,9 +1,9 @@
-/* Terms of the coupled equations as callbacks of a TS, and their right-hand side. */
+/* Terms of the coupled equations, and their right-hand side. */
 #include "coupled.h"
 
 /*
-  CoupledForce - Sets the force per unit mass: the body force at c->end and, for fixed particles,
-  minus the convective term extrapolated in time
+  CoupledForce - Sets the force per unit mass: the body force at c->end and, for fixed particles in
+  time, minus the convective term extrapolated in time
 
   Collective.
 */
@@ -14,7 +14,8 @@ PetscErrorCode CoupledForce(Coupled *c)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
-  if (flow->state->has_convection) PetscCall(ConvectionExtrapolate(flow, 1.0, c->force));
+  if (flow->state->has_convection && !flow->clock->steady_solve)
+    PetscCall(ConvectionExtrapolate(flow, 1.0, c->force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,11 +135,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   const Splines *sp = c->flow->scheme->splines;
 
   PetscFunctionBegin;
-  if (c->b_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesSetVelocity(c->flow->scene, c->flow->particles, t, 0.0, &c->flow->walls));
-  for (PetscInt a = 0; c->force_by_stage && a < s->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
-  if (c->force_by_stage && SceneHas(c->flow->scene, PHYSICS_BODY_FORCE))
-    PetscCall(AddBodyForce(c->flow, t, c->force));
   PetscCall(VecZeroEntries(c->b));
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(WallViscosity(c, a, c->part));
@@ -154,22 +151,6 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(SaddleAdd(s, s->dim, c->flow->scene->dx, c->flow->state->source, c->b));
   PetscCall(AddGivenPressure(c, t));
   PetscCall(SaddleAddTension(c->flow->ops->free, s, c->b));
-  c->b_t = t;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* CoupledAddConvection - Adds scale T_i/T times the convective term of the velocity in x at time t
-   to the momentum rows of f; for T_i/T see SaddleAdd(); collective */
-PetscErrorCode CoupledAddConvection(Coupled *c, PetscReal t, Vec x, PetscReal scale, Vec f)
-{
-  const Saddle *s = &c->saddle;
-
-  PetscFunctionBegin;
-  PetscCall(SaddleGet(s, x, c->u, NULL));
-  for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(ConvectionExplicit(c->flow, t, c->u, a, c->work, c->part));
-    PetscCall(SaddleAdd(s, a, scale, c->part, f));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,37 +169,5 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
   PetscCall(KSPSetReusePreconditioner(solve->ksp, keep));
   c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
   c->schur.inert   = shift * c->saddle.step;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  CoupledIFunction - Computes the residual T_i du/dt + [T_i u.grad u] + A_0 x - b
-
-  Collective. A_0 is the matrix of saddle.c with shift 0, and T_i the time that scales its momentum
-  rows. The term in brackets is present if stages apply convection. The Jacobian omits it: rosw, a
-  Rosenbrock-W method, keeps its order without it, and bdf iterates.
-*/
-PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
-{
-  Coupled      *c = (Coupled *)ctx;
-  const Saddle *s = &c->saddle;
-
-  PetscFunctionBegin;
-  PetscCall(CoupledRightHandSide(c, t));
-  PetscCall(MatMult(s->A, x, f));
-  PetscCall(VecAXPY(f, -1.0, c->b));
-  if (c->convects) PetscCall(CoupledAddConvection(c, t, x, s->step, f));
-  PetscCall(SaddleAddInertia(s, x, xdot, f));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* CoupledIJacobian - Computes the matrix of saddle.c for a new shift of the TS; collective */
-PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
-                                void *ctx)
-{
-  Coupled *c = (Coupled *)ctx;
-
-  PetscFunctionBegin;
-  if (shift != c->saddle.shift) PetscCall(CoupledSetShift(shift, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,17 +5,6 @@
 */
 #include "viscosity.h"
 
-/* Returns the factor of the newest force in BDF of order 1, 2, 3, ...: 1, 2/3, 6/11, ... */
-static PetscReal Response_Bdf(TS ts)
-{
-  PetscInt  order = 2;
-  PetscReal sum   = 0.0;
-
-  if (TSBDFGetOrder(ts, &order)) return 1.0;
-  for (PetscInt k = 1; k <= order; k++) sum += 1.0 / (PetscReal)k;
-  return 1.0 / sum;
-}
-
 static const ViscousIntegratorRow integrators[] = {
     {
         .name     = TSBEULER,
@@ -25,15 +14,6 @@ static const ViscousIntegratorRow integrators[] = {
         .terms    = TIME_IMPLICIT,
         .history  = PETSC_TRUE,
         .end_of_step = PETSC_TRUE,
-    },
-    {
-        .name        = TSBDF,
-        .brief       = "backward differentiation by PETSc; fixed particles",
-        .citation    = "Hairer & Wanner, Solving ODEs II (1996)",
-        .terms       = TIME_IMPLICIT,
-        .multistep   = PETSC_TRUE,
-        .end_of_step = PETSC_TRUE,
-        .Response    = Response_Bdf,
     },
     {
         .name     = TSCN,

@@ -23,7 +23,7 @@ static const OptionRow options[] = {
 };
 const OptionTable ViscosityOptions = OPTIONS("Viscosity", options);
 
-/* Refuses options by which the TS would control time, or that a multistep method excludes. */
+/* Refuses options by which the TS would control time. */
 static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 {
   PetscReal theta = 0.5;
@@ -103,23 +103,6 @@ static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a multistep integrator if particles move or steps can be undone, because PETSc's copy of
-   earlier velocities would not follow. */
-static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorRow *row)
-{
-  PetscFunctionBegin;
-  UserCheck(
-      !row->multistep || !SceneMoves(flow->scene),
-      "-visc_ts_type %s: its own history cannot follow particles that move; use beuler, which "
-      "is BDF2 with the history on particles, or -motion eulerian",
-      row->name);
-  UserCheck(!row->multistep || !flow->clock->adapt->retries,
-            "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry "
-            "requires; use beuler",
-            row->name);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Refuses what implicit convection has no matrix for. */
 static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIntegratorRow *row)
 {
@@ -128,7 +111,7 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
   PetscFunctionBegin;
   if (!flow->state->implicit_convection) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(row->terms == TIME_IMPLICIT,
-            "-convection implicit: -visc_ts_type %s takes convection explicitly; use beuler, bdf, "
+            "-convection implicit: -visc_ts_type %s takes convection explicitly; use beuler, "
             "cn or theta",
             row->name);
   UserCheck(!forms->components_coupled,
@@ -184,8 +167,8 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   Options Database Keys:
 . -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - PETSc's options of TS, SNES, KSP and PC
 
-  Errors: refuses TS types without a row in ViscousIntegratorTable, options by which the TS would
-  control time, and multistep types if particles move or steps can be undone
+  Errors: refuses TS types without a row in ViscousIntegratorTable, and options by which the TS
+  would control time
 */
 PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc)
 {
@@ -208,7 +191,6 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
   solve->column  = SOLVE_VELOCITY;
   PetscCall(OptionGetRow(&options[0], NULL, &v->row));
   solve->integrator   = v->row->name;
-  solve->multistep    = v->row->multistep;
   solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(RefuseTimeOptions(v->row));
   PetscCall(RefuseImplicitConvection(flow, v->row));
@@ -236,7 +218,6 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
             "-time_order 3: %s %s has an order of its own; use beuler", options[0].name,
             v->row->name);
   if (!v->row->history) PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
-  PetscCall(RefuseMultistep(flow, v->row));
   PetscCall(SchemeAddSolve(solve, flow->scheme));
   *visc = v;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -274,7 +255,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the vectors for the present numbering; the history of the TS is lost. */
+/* Creates the vectors for the present numbering. */
 static PetscErrorCode ViscosityRenumber(Viscosity *v)
 {
   const Particles *p = v->flow->particles;
@@ -349,8 +330,7 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 
   PetscFunctionBegin;
   PetscCall(TSSetSolution(v->ts[c], u));
-  if (!v->row->multistep)
-    PetscCall(TSRestartStep(v->ts[c])); /* stages of the last step belong to another flow */
+  PetscCall(TSRestartStep(v->ts[c])); /* stages of the last step belong to another flow */
   PetscCall(TimeStepThrough(v->ts[c], v->row->name, &v->guard, t, dt, &h, failure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -402,13 +382,6 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   for (PetscInt c = 0; c < v->dim && all; c++)
     PetscCall(VecStrideGather(v->all, c, u[c], INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ViscosityResponse - Returns the change of u by a new force in a step, over dt times the force: 1,
-   or less for BDF; see docs/theory.md, (100) */
-PetscReal ViscosityResponse(const Viscosity *v)
-{
-  return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
 }
 
 /* ViscosityView - Prints the integrator and the nonlinear solver; collective on the viewer */

@@ -27,11 +27,10 @@ typedef enum {
 typedef struct {
   const char  *name, *brief, *citation; /* name: the TS type */
   ViscousTerms terms;
-  PetscBool    history;         /* starts from (4u^n - u^{n-1})/3, for second order */
-  PetscBool    multistep;       /* PETSc keeps earlier velocities, which cannot follow particles */
-  PetscBool    substeps;        /* estimates the error of a step from this step alone */
-  PetscBool    end_of_step;     /* time of the force: end of the step, otherwise its middle */
-  PetscReal (*Response)(TS ts); /* for ViscosityResponse(); NULL: 1 */
+  PetscBool    history;     /* starts from (4u^n - u^{n-1})/3, for second order */
+  PetscBool    multistep;   /* PETSc keeps earlier values, which cannot follow particles; no row */
+  PetscBool    substeps;    /* estimates the error of a step from this step alone */
+  PetscBool    end_of_step; /* time of the force: end of the step, otherwise its middle */
 } ViscousIntegratorRow;
 
 typedef struct Viscosity Viscosity;
@@ -74,7 +73,6 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
 PetscErrorCode ViscosityDestroy(Viscosity **visc);
 PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *visc);
-PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
 
 /* surfacestress.c */

@@ -38,7 +38,6 @@ PetscErrorCode PredictVelocity(Flow *flow)
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history, &dt));
-  PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && pr->space->StartStep) PetscCall(pr->space->StartStep(flow));
   PetscCall(ProjectionForce(flow, middle, force));
   if (inner) {
@@ -52,21 +51,18 @@ PetscErrorCode PredictVelocity(Flow *flow)
   }
   if (implicit) PetscCall(ConvectionOfCorrection(flow, at, v, force));
   if (SceneMovesGraded(flow->scene)) PetscCall(GradedConvection(flow, at, force));
-  PetscCall(FlowPartDone(flow, PART_FORCE, dt, force));
   pr->k = dt;
   if (pr->visc) {
-    const PetscReal factor = pr->row ? dt * ViscosityResponse(pr->visc) / flow->scene->rho : 0.0;
+    const PetscReal factor = pr->row ? dt / flow->scene->rho : 0.0;
 
     PetscCall(
         ViscositySolve(flow, dt, factor, force, inner ? v : NULL, flow->state->u_next, pr->visc));
-    pr->k *= ViscosityResponse(pr->visc);
   } else {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
   }
   if (!flow->scheme->failure.code && pr->row && pr->space->FollowForce)
     PetscCall(pr->space->FollowForce(flow));
   PetscCall(VelocityFilterForget(flow));
-  PetscCall(FlowPartDone(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));
     PetscCall(FlowRestoreWork(flow, &v[a]));

@@ -117,7 +117,6 @@ static const Stage predict = {
     .name   = "predict",
     .brief  = "velocity after force and viscosity, u*",
     .Do     = PredictVelocity,
-    .part   = PART_SOLVE,
     .solves = PETSC_TRUE,
 };
 
@@ -126,7 +125,6 @@ static const Stage project = {
     .brief   = "pressure from div u*, new velocity",
     .Applies = HasPressure,
     .Do      = ProjectVelocity,
-    .part    = PART_SOLVE,
     .solves  = PETSC_TRUE,
 };
 

@@ -62,14 +62,6 @@ static PetscErrorCode PressureOnSplines(const Flow *flow, const PetscReal x[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the pressure over dt to its mean over a time `length`. */
-static PetscErrorCode AverageOnSplines(Flow *flow, PetscReal length, PetscReal dt)
-{
-  PetscFunctionBegin;
-  PetscCall(SplinesAverage(length, dt, flow->scheme->splines, flow->state->average.vec));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Returns the width of the box along an axis in cells of the splines. */
 static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 {
@@ -136,7 +128,6 @@ PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
   flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
   flow->scheme->Divergence = DivergenceOnSplines;
   flow->scheme->Pressure   = PressureOnSplines;
-  flow->scheme->Average    = AverageOnSplines;
   if (flow->state->has_convection || SceneMoves(flow->scene))
     PetscCall(OptionGiven("-velocity_filter", &given));
   if (!given) flow->state->velocity_filter = RegimeValue(flow->scene->regime, REGIME_FILTER_U);

@@ -175,7 +175,6 @@ const Stage StageRebuild = {
     .brief   = "owners, neighbours and matrices at the new places",
     .Applies = Moves,
     .Do      = FollowAndRebuild,
-    .part    = PART_MOTION,
 };
 
 const Stage StageVolume = {
@@ -190,7 +189,6 @@ const Stage StageCollide = {
     .brief   = "collisions of fragments of a free surface",
     .Applies = HasMovingSurface,
     .Do      = FlowCollide,
-    .part    = PART_SOLVE,
 };
 
 const Stage StageMean = {
@@ -198,7 +196,6 @@ const Stage StageMean = {
     .brief   = "restored mean velocity",
     .Applies = KeepsMomentum,
     .Do      = MomentumRestore,
-    .part    = PART_MEAN,
 };
 
 const Stage StageCheck = {
@@ -214,8 +211,7 @@ const Stage StageError = {
     .Do      = TimeErrorCheck,
 };
 
-static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget, &ObserverFlight,
-                                            &ObserverAcceleration};
+static const Observer *const observers[] = {&ObserverFlight, &ObserverAcceleration};
 
 /* Lists the observers that apply to a flow. */
 static PetscErrorCode ListObservers(Flow *flow)

@@ -93,11 +93,9 @@ static const DensityFormRow densities[] = {
 const Table DensityFormTable = TABLE("Density of weakly compressible fluids", densities);
 
 static const PressureReductionRow reductions[] = {
-    {"none", "the pressure itself, which keeps the momentum", "", REDUCE_NONE},
+    {"none", "the pressure itself, which keeps the momentum", "", PETSC_FALSE},
     {"local_mean", "the mean pressure of the neighbours is subtracted",
-     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", REDUCE_LOCAL_MEAN},
-    {"hydrostatic", "the pressure at rest under the body force is subtracted, and its force added",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", REDUCE_HYDROSTATIC},
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_TRUE},
 };
 const Table PressureReductionTable = TABLE("Reductions of the pressure", reductions);
 
@@ -108,13 +106,6 @@ static const CompressibleIntegratorRow integrators[] = {
 };
 const Table CompressibleIntegratorTable =
     TABLE("Time integrators of weakly compressible fluids", integrators);
-
-static const ViscousSplitRow splits[] = {
-    {"explicit", "viscosity is a term of the rates", "", PETSC_FALSE},
-    {"implicit", "a viscous step of -visc_ts_type follows the step of the pressure", "",
-     PETSC_TRUE},
-};
-const Table ViscousSplitTable = TABLE("Viscosity of weakly compressible fluids", splits);
 
 /* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the
    vector, and counts them; not collective. Input: x, u, rho, e - the arrays. */

@@ -131,30 +131,16 @@ static void ContinuingForce(const Wcsph *w, const PetscReal force[], PetscReal f
     f[a] = WcsphComposed(w) && SceneIsPeriodic(scene, a) ? 0.0 : force[a];
 }
 
-/* Subtracts the mean of the neighbours' pressures from these and from the pressure of the particle;
-   or the hydrostatic pressure, whose force is removed too. */
-static void ReducePressure(const Wcsph *w, const Stencil *st, Pairs *pairs, PetscReal *own,
-                           PetscReal force[])
+/* Subtracts the mean of the neighbours' pressures from these and from the pressure of the
+   particle. */
+static void SubtractMean(const Stencil *st, Pairs *pairs, PetscReal *own)
 {
   PetscReal mean = 0.0;
 
-  if (w->reduction->kind == REDUCE_LOCAL_MEAN) {
-    for (PetscInt k = 0; k < st->n; k++) mean += pairs->p[k];
-    if (st->n) mean /= (PetscReal)st->n;
-    for (PetscInt k = 0; k < st->n; k++) pairs->p[k] -= mean;
-    *own -= mean;
-  }
-  if (w->reduction->kind == REDUCE_HYDROSTATIC) {
-    const PetscReal rho_0 = w->flow->scene->rho;
-
-    for (PetscInt a = 0; a < st->dim; a++) {
-      const PetscReal height = w->flow->particles->x[a][st->i] - w->flow->scene->hi[a];
-
-      *own -= rho_0 * force[a] * height;
-      for (PetscInt k = 0; k < st->n; k++) pairs->p[k] -= rho_0 * force[a] * (height + st->X[a][k]);
-      force[a] *= 1.0 - rho_0 / w->local.rho[st->i];
-    }
-  }
+  for (PetscInt k = 0; k < st->n; k++) mean += pairs->p[k];
+  if (st->n) mean /= (PetscReal)st->n;
+  for (PetscInt k = 0; k < st->n; k++) pairs->p[k] -= mean;
+  *own -= mean;
 }
 
 /* Adds the viscous acceleration mu/rho_i sum_k w_k du_k, with the weights of the chosen form. */
@@ -230,7 +216,7 @@ static PetscErrorCode AddViscosity(const Wcsph *w, Stencil *st, const Pairs *pai
       acceleration[a] += scene->nu * scene->rho / rho * sums->laplacian[a];
   } else if (WcsphComposed(w)) {
     StressForce(w, st, acceleration);
-  } else if (w->flow->ops->forms.visc.row && !w->implicit) {
+  } else if (w->flow->ops->forms.visc.row) {
     PetscCall(ViscousForce(w, st, pairs, acceleration));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,7 +233,7 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   const PetscInt      i = st->i, d = st->dim;
   Pairs              *pairs  = &w->pairs;
   const PetscBool     shifts = WcsphShifts(w);
-  PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, pull[ISPH_MAX_DIM];
+  PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0};
   PetscReal           continuing[ISPH_MAX_DIM], C, slope[ISPH_MAX_DIM];
   Rates               rates = {.rho = 0.0};
   PairTerms           own   = {.by_sums   = w->density->sums,
@@ -265,11 +251,10 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   StencilGradients(st, correction);
   for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
   if (w->equation->has_energy) rates.e = PairsEnergy(st, pairs, own.rho, own.p);
-  for (PetscInt a = 0; a < d; a++) pull[a] = force[a];
-  if (!transposed) ReducePressure(w, st, pairs, &own.p, pull);
+  if (w->reduction->mean && !transposed) SubtractMean(st, pairs, &own.p);
   PairsSum(st, pairs, &own, &sums);
   rates.rho = ContinuityRate(w, st, force, &sums);
-  for (PetscInt a = 0; a < d; a++) rates.u[a] = pull[a] + (transposed ? 0.0 : sums.pressure[a]);
+  for (PetscInt a = 0; a < d; a++) rates.u[a] = force[a] + (transposed ? 0.0 : sums.pressure[a]);
   PetscCall(AddViscosity(w, st, pairs, &sums, rates.u));
   StoreRates(w, i, &rates);
   if (shifts) WcsphShiftRow(w, st, slope);
@@ -308,23 +293,6 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds component a of the viscous acceleration that the TS has advanced by itself. */
-static PetscErrorCode AddImplicitViscosity(Flow *flow, PetscInt a, PetscReal rate[])
-{
-  const PetscScalar *lap;
-  Vec                y;
-
-  PetscFunctionBegin;
-  PetscCall(FlowGetWork(flow, &y));
-  PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, a)->visc, flow->state->u[a],
-                        flow->walls.u[a], y));
-  PetscCall(VecGetArrayRead(y, &lap));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) rate[i] += flow->scene->nu * lap[i];
-  PetscCall(VecRestoreArrayRead(y, &lap));
-  PetscCall(FlowRestoreWork(flow, &y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* WcsphAccelerate - Computes the accelerations of own fluid at the present positions [m/s^2];
    collective. Note: needs the rows of neighbours. */
 PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
@@ -346,10 +314,7 @@ PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
   w->rate        = rates;
   w->first_stage = PETSC_FALSE;
   PetscCall(WcsphRates(w->flow, w));
-  for (PetscInt a = 0; a < d; a++) {
-    PetscCall(PetscArraycpy(rate[a], rates + (d + a) * n, n));
-    if (w->implicit) PetscCall(AddImplicitViscosity(w->flow, a, rate[a]));
-  }
+  for (PetscInt a = 0; a < d; a++) PetscCall(PetscArraycpy(rate[a], rates + (d + a) * n, n));
   w->t           = t;
   w->divergence  = divergence;
   w->first_stage = first;

@@ -53,28 +53,6 @@ static PetscErrorCode FollowPositions(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool IsImplicit(const Flow *flow)
-{
-  return ((const Wcsph *)flow->scheme->data)->visc ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
-static PetscErrorCode SolveViscosity(Flow *flow)
-{
-  Viscosity *visc                = ((Wcsph *)flow->scheme->data)->visc;
-  Vec        force[ISPH_MAX_DIM] = {NULL};
-
-  PetscFunctionBegin;
-  PetscCall(FlowAssemble(flow));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(FlowGetWork(flow, &force[a]));
-    PetscCall(VecZeroEntries(force[a]));
-  }
-  PetscCall(ViscositySolve(flow, flow->clock->dt, 0.0, force, NULL, flow->state->u_next, visc));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* WcsphKeepsVolume - Returns true if the density is an unknown and walls or periods keep the volume
    of the fluid; not collective */
 PetscBool WcsphKeepsVolume(const Flow *flow)
@@ -172,13 +150,6 @@ static const Stage rebuild = {
     .Do    = FollowPositions,
 };
 
-static const Stage viscosity = {
-    .name    = "viscosity",
-    .brief   = "implicit viscosity",
-    .Applies = IsImplicit,
-    .Do      = SolveViscosity,
-};
-
 static const Stage volume = {
     .name    = "volume",
     .brief   = "densities that keep the volume",
@@ -193,5 +164,5 @@ static const Stage pressure = {
 };
 
 const Stage *const WcsphStages[] = {
-    &integrate, &shift, &settle, &rebuild, &viscosity, &StageCheck, &volume, &pressure, NULL,
+    &integrate, &shift, &settle, &rebuild, &StageCheck, &volume, &pressure, NULL,
 };

@@ -7,12 +7,12 @@
 
 #define WEAK 10.0 /* largest diagonal entry of an inverse moment matrix [-] */
 
-/* Returns the composed form of the run; NULL: viscosity has one pass, or is implicit. */
+/* Returns the composed form of the run; NULL: viscosity has one pass. */
 const ComposedForm *WcsphComposed(const Wcsph *w)
 {
   const LaplacianRow *row = w->flow->ops->forms.visc.row;
 
-  return row && !w->implicit ? row->composed : NULL;
+  return row ? row->composed : NULL;
 }
 
 /* Returns true if a wall, or a particle that was on a free surface at the start, is in the

@@ -3,8 +3,7 @@
 
     dx/dt = u,   drho/dt = -rho div u,   du/dt = -grad p/rho + (div tau)/rho + f,   p = p(rho),
 
-  with the sums of classical SPH. No matrix is assembled; or viscosity is left to the implicit TS of
-  the projection, which then has the only matrix.
+  with the sums of classical SPH. No matrix is assembled.
 
   References: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009); J. Fang et
   al., Appl. Numer. Math. 59 (2009)
@@ -31,7 +30,6 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscCall(PetscClassIdRegister("Wcsph", &id));
   PetscCall(PetscLogEventRegister("PairRates", id, &w->event));
   PetscCall(WcsphCreateIntegrator(flow, w));
-  if (w->implicit) PetscCall(ViscosityCreate(flow, PETSC_FALSE, &w->visc));
   UserCheck(!flow->ops->forms.wall || !flow->ops->forms.wall->dynamic || w->density->sums,
             "-wall %s: densities of its walls are sums over the fluid, which needs -density_form "
             "summation",
@@ -39,8 +37,7 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   flow->scheme->Divergence  = Compression;
   flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
   w->lattice                = WcsphLatticeSum(flow);
-  if (!w->implicit)
-    w->follows = LaplacianFollowsSlopes(&flow->ops->forms.visc, flow->ops->forms.correction->bit);
+  w->follows = LaplacianFollowsSlopes(&flow->ops->forms.visc, flow->ops->forms.correction->bit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,8 +130,7 @@ static void LimitDissipation(const Wcsph *w, PetscReal h, PetscReal pace, StepLi
   if (drag > 0.0) StepLimitLower(limit, 0.5 * h / drag, "artificial viscosity");
 }
 
-/* Limits the step by sound, dissipation, the way of particles within the halo and, unless it is
-   implicit, viscosity. */
+/* Limits the step by sound, dissipation, the way of particles within the halo and viscosity. */
 static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
 {
   const Wcsph    *w    = (const Wcsph *)flow->scheme->data;
@@ -149,8 +145,7 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   if (flow->scheme->stats.force_max > 0.0)
     StepLimitLower(limit, 0.25 * PetscSqrtReal(flow->ops->forms.h / flow->scheme->stats.force_max),
                    "the body force");
-  if (!w->implicit)
-    StepLimitLower(limit, ClockExplicitLimit(flow->scene, flow->ops->forms.radius), "viscosity");
+  StepLimitLower(limit, ClockExplicitLimit(flow->scene, flow->ops->forms.radius), "viscosity");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -209,7 +204,6 @@ static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
   PetscCall(SchemeLimit(flow, &limit));
   PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "dt", (double)limit.dt,
                                    limit.reason));
-  if (w->visc) PetscCall(ViscosityView(w->visc, viewer));
   PetscCall(RigidView(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,7 +214,6 @@ static PetscErrorCode WcsphDestroy(Flow *flow)
 
   PetscFunctionBegin;
   if (!w) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ViscosityDestroy(&w->visc));
   PetscCall(WcsphFree(w));
   PetscCall(PetscFree(flow->scheme->data));
   PetscFunctionReturn(PETSC_SUCCESS);

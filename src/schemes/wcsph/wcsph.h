@@ -7,10 +7,10 @@
 #define ISPH_SCHEMES_WCSPH_H
 
 #include "isph/motion.h"
-#include "schemes/diffusion/viscosity.h"
+#include "isph/solvers.h"
 
 extern const Table EquationOfStateTable, DensityFormTable, PressureReductionTable,
-    CompressibleIntegratorTable, ViscousSplitTable;
+    CompressibleIntegratorTable;
 extern const OptionTable WcsphOptions, WcsphTimeOptions;
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
@@ -38,22 +38,15 @@ typedef struct {
 } DensityFormRow;
 
 /* Pressures that are subtracted before the pressure gradient is computed. */
-typedef enum { REDUCE_NONE, REDUCE_LOCAL_MEAN, REDUCE_HYDROSTATIC } Reduction;
 typedef struct {
   const char *name, *brief, *citation;
-  Reduction   kind;
+  PetscBool   mean; /* of the neighbours */
 } PressureReductionRow;
 
 /* TS types of the compressible equations. */
 typedef struct {
   const char *name, *brief, *citation;
 } CompressibleIntegratorRow;
-
-/* Treatment of the viscous term. */
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   implicit;
-} ViscousSplitRow;
 
 /* The rates of change of a particle. */
 typedef struct {
@@ -100,14 +93,13 @@ struct Wcsph {
   const DensityFormRow            *density;
   const PressureReductionRow      *reduction;
   const CompressibleIntegratorRow *integrator;
-  PetscBool                        implicit; /* viscosity is left to visc */
-  PetscBool                        follows;  /* explicit viscosity is PairSums.laplacian */
-  PetscReal                        c0;       /* speed of sound at rest [m/s] */
-  PetscReal                        p_rest;   /* pressure at rest, not zero for a gas [Pa] */
-  PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
-  PetscReal                        courant;  /* of sound [-] */
-  PetscReal                        lattice;  /* WcsphLatticeSum() [-] */
-  PetscReal                        volume;   /* of the fluid at the start, if it stays [m^dim] */
+  PetscBool                        follows; /* viscosity is PairSums.laplacian */
+  PetscReal                        c0;      /* speed of sound at rest [m/s] */
+  PetscReal                        p_rest;  /* pressure at rest, not zero for a gas [Pa] */
+  PetscReal                        e_rest;  /* internal energy at rest [J/kg] */
+  PetscReal                        courant; /* of sound [-] */
+  PetscReal                        lattice; /* WcsphLatticeSum() [-] */
+  PetscReal                        volume;  /* of the fluid at the start, if it stays [m^dim] */
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
@@ -122,7 +114,6 @@ struct Wcsph {
   PetscInt   components;
   PetscReal *start[ISPH_MAX_DIM]; /* positions at the start of the step [m] */
   PetscReal *shift; /* changes of the unknowns by shifting, in the order of y; NULL without */
-  Viscosity *visc;  /* NULL: explicit viscosity, or none */
 
   /* of the present rates */
   Flow      *flow;

@@ -1,7 +1,7 @@
 /* Options and refusals of the weakly compressible scheme. */
 #include "wcsph.h"
 
-enum { EQUATION, SOUND, DENSITY, REDUCTION, DIFFUSION, ARTIFICIAL, COURANT, SPLIT };
+enum { EQUATION, SOUND, DENSITY, REDUCTION, DIFFUSION, ARTIFICIAL, COURANT };
 static const OptionRow options[] = {
     [EQUATION] =
         {
@@ -76,15 +76,6 @@ static const OptionRow options[] = {
             .high  = 4.0,
             .where = "-scheme wcsph",
         },
-    [SPLIT] =
-        {
-            .name     = "-wcsph_viscosity",
-            .kind     = VALUE_NAME,
-            .brief    = "treatment of the viscous term",
-            .standard = "explicit",
-            .table    = &ViscousSplitTable,
-            .where    = "-scheme wcsph with viscosity",
-        },
 };
 const OptionTable WcsphOptions = OPTIONS("Weakly compressible flow", options);
 
@@ -142,22 +133,6 @@ static PetscErrorCode Refuse(const Flow *flow)
             "-steady_tol: sound waves of -scheme wcsph never come to rest; use -t_end");
   UserCheck(!clock->adapt->estimates,
             "-dt_adapt error: sound limits the steps of -scheme wcsph; use -dt_adapt retry");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses a hydrostatic pressure where the body force is not constant or has no wall to end at. */
-static PetscErrorCode RefuseHydrostatic(const Scene *scene, const PressureReductionRow *row)
-{
-  PetscFunctionBegin;
-  if (row->kind != REDUCE_HYDROSTATIC) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(!scene->force.n,
-            "-pressure_reduction %s: it needs a constant body force; use local_mean", row->name);
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    UserCheck(scene->body_force[a] == 0.0 || !SceneIsPeriodic(scene, a),
-              "-pressure_reduction %s: the body force acts along %c, where the box is periodic; "
-              "use local_mean",
-              row->name, "xyz"[a]);
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,10 +197,6 @@ static PetscErrorCode RefuseFreeSurface(const Scene *scene, const Wcsph *w)
   UserCheck(!w->equation->has_energy,
             "-equation_of_state %s: a gas expands through a free surface; use tait or linear",
             w->equation->name);
-  UserCheck(w->reduction->kind != REDUCE_HYDROSTATIC || scene->n_filled == 0,
-            "-pressure_reduction %s: its pressure is zero at the upper side of the box, and not on "
-            "the free surface of -scene_filled_1; use none",
-            w->reduction->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -313,13 +284,11 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
 . -pressure_reduction name        - row of the table
 . -density_diffusion delta        - see PairsSum()
 . -artificial_viscosity alpha,beta - see ArtificialViscosity()
-. -acoustic_cfl C                 - dt <= C h/(c0 + U)
-- -wcsph_viscosity name           - explicit or implicit
+- -acoustic_cfl C                 - dt <= C h/(c0 + U)
 */
 PetscErrorCode WcsphCreate(Flow *flow)
 {
-  const ViscousSplitRow *split;
-  Wcsph                 *w;
+  Wcsph *w;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&w));
@@ -329,18 +298,12 @@ PetscErrorCode WcsphCreate(Flow *flow)
   PetscCall(OptionGetRow(&options[EQUATION], NULL, &w->equation));
   PetscCall(OptionGetRow(&options[DENSITY], NULL, &w->density));
   PetscCall(OptionGetRow(&options[REDUCTION], NULL, &w->reduction));
-  PetscCall(RefuseHydrostatic(flow->scene, w->reduction));
   PetscCall(RefuseFreeSurface(flow->scene, w));
   PetscCall(ReadFluid(flow, w));
   flow->scheme->needs &= ~(unsigned)(NEED_PRESSURE | NEED_VISCOSITY | NEED_GRADIENT_U |
                                      NEED_FILTER_U | NEED_CONCENTRATION);
   flow->scheme->needs |= NEED_STREAMS;
   PetscCall(ChooseShift(flow, w));
-  if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) {
-    PetscCall(OptionGetRow(&options[SPLIT], NULL, &split));
-    w->implicit = split->implicit;
-    if (w->implicit) flow->scheme->needs |= NEED_VISCOSITY;
-  }
   PetscCall(AddFigures(flow->scheme, w));
   flow->scheme->density    = &w->rho;
   flow->scheme->Accelerate = WcsphAccelerate;
