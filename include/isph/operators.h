@@ -88,17 +88,7 @@ PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const 
                      PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat like, Mat *A);
-PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
-
-/* The rows of a matrix of blocks, whose arrays it uses on a single rank. */
-typedef struct {
-  Pattern    pattern; /* without local indices */
-  PetscReal *value;
-} BlockRows;
-PetscErrorCode BlockRowsMat(const Particles *particles, PetscInt entries, const Pattern *pattern,
-                            PetscInt columns, Mat *A);
-PetscErrorCode BlockRowsGet(Mat A, BlockRows **rows);
 
 /* Sparse matrices from rows with ascending columns. PETSc inserts the entries of such rows one by
    one, which takes longer than the computation of most of them. Own rows of a matrix, compressed;
@@ -108,10 +98,16 @@ typedef struct {
   PetscScalar *value;
 } SparseRows;
 
-PetscErrorCode MatKeep(Mat A, const char name[], void *data, PetscErrorCode (*Destroy)(void *));
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows);
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A);
+PetscErrorCode SparseRowsKeep(const SparseRows *rows, const char name[], Mat A);
+PetscErrorCode SparseRowsGet(Mat A, const char name[], SparseRows **rows);
 PetscErrorCode SparseAdd(Mat X, Mat *Y);
 PetscErrorCode SparseAddProduct(Mat X, Mat Y, Mat sum);
+
+#define MAT_VALUES "values" /* rows of a matrix whose values can be computed again */
+PetscErrorCode PatternBlocks(const Particles *particles, PetscInt entries, const Pattern *pattern,
+                             PetscInt columns, Mat *A);
+PetscErrorCode PatternMatSet(const SparseRows *rows, Mat A);
 
 #endif

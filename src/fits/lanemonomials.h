@@ -1,4 +1,5 @@
-/* Monomials of four points or neighbours at once, one in each lane of a vector. */
+/* Monomials of four points or neighbours at once, and factors of four matrices, one in each lane of
+   a vector. */
 #ifndef ISPH_FOUR_H
 #define ISPH_FOUR_H
 
@@ -18,6 +19,32 @@ static ISPH_INLINE void FourMonomials(PetscInt dim, PetscInt degree, const Four 
       for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) phi[t++] = s[a] * phi[lower + q];
     }
     lower += MlsMonomials(dim - 1, d - 1);
+  }
+}
+
+/* Computes the factors L D L^T of matrices, whose rows are one after the other up to the diagonal,
+   and the inverse pivots. Output: least - the least pivot over its diagonal entry, for each lane. */
+static ISPH_INLINE void FourFactor(PetscInt terms, Four M[], Four inverse[], Four *least)
+{
+  *least = (Four){1.0, 1.0, 1.0, 1.0};
+  for (PetscInt j = 0; j < terms; j++) {
+    Four *row = &M[j * (j + 1) / 2], pivot = row[j], share;
+
+    for (PetscInt k = 1; k < j; k++) { /* row j of L D, from the left */
+      const Four *above = &M[k * (k + 1) / 2];
+
+      for (PetscInt q = 0; q < k; q++) row[k] -= row[q] * above[q];
+    }
+    for (PetscInt k = 0; k < j; k++) {
+      const Four factor = row[k] * inverse[k];
+
+      pivot -= factor * row[k];
+      row[k] = factor;
+    }
+    share = pivot / row[j];
+    for (PetscInt i = 0; i < 4; i++) /* keeps NaN */
+      (*least)[i] = share[i] < (*least)[i] || share[i] != share[i] ? share[i] : (*least)[i];
+    inverse[j] = 1.0 / pivot;
   }
 }
 

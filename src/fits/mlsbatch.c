@@ -24,7 +24,7 @@ struct MlsBatch {
 /* The systems of a batch. */
 typedef struct {
   Four M[MOMENTS];             /* moments, then factors */
-  Four pivot[MLS_MAX_TERMS];   /* and their inverses later */
+  Four pivot[MLS_MAX_TERMS];   /* their inverses */
   Four b[ROWS][MLS_MAX_TERMS]; /* right-hand sides, then solutions */
   Four m[MLS_MAX_TERMS], sum;  /* of the filter */
 } Systems;
@@ -164,33 +164,10 @@ static ISPH_INLINE void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, St
   }
 }
 
-/* Solves the systems by the factors L D L^T of M. Output: least - the least pivot over the diagonal
-   entry of M, for each lane. */
+/* Solves the systems, see FourFactor(). */
 static ISPH_INLINE void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, Four *least)
 {
-  const Four zero = {0.0};
-
-  *least = zero + PETSC_INFINITY;
-  for (PetscInt j = 0; j < terms; j++) {
-    Four *row = &y->M[j * (j + 1) / 2], share;
-
-    y->pivot[j] = row[j];
-    for (PetscInt k = 0; k < j; k++) { /* row j of L D, from the left */
-      const Four *above = &y->M[k * (k + 1) / 2];
-
-      for (PetscInt q = 0; q < k; q++) row[k] -= row[q] * above[q];
-    }
-    for (PetscInt k = 0; k < j; k++) {
-      const Four factor = row[k] * y->pivot[k]; /* inverse pivots of earlier rows */
-
-      y->pivot[j] -= factor * row[k];
-      row[k] = factor;
-    }
-    share = y->pivot[j] / row[j];
-    for (PetscInt l = 0; l < MLS_BATCH; l++)
-      (*least)[l] = share[l] < (*least)[l] || share[l] != share[l] ? share[l] : (*least)[l];
-    y->pivot[j] = 1.0 / y->pivot[j];
-  }
+  FourFactor(terms, y->M, y->pivot, least);
   for (PetscInt r = 0; r < 2 + dim; r++) {
     Four *x = y->b[r];
 

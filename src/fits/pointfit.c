@@ -22,34 +22,12 @@ static ISPH_INLINE void FourBases(PetscInt dim, PetscInt degree, PetscReal *cons
   FourMonomials(dim, degree, x, phi + 1);
 }
 
-/*
-  Solves M c = e_0 by the factors L D L^T of M, whose rows are one after the other up to the
-  diagonal. Output: least - the least pivot over its diagonal entry.
-*/
+/* Solves M c = e_0, see FourFactor(). */
 static ISPH_INLINE void FourSolve(PetscInt terms, Four M[], Four c[], Four *least)
 {
   Four inverse[POINT_FIT_TERMS];
 
-  *least = (Four){1.0, 1.0, 1.0, 1.0};
-  for (PetscInt j = 0; j < terms; j++) {
-    Four *row = &M[j * (j + 1) / 2], pivot = row[j], share;
-
-    for (PetscInt k = 1; k < j; k++) { /* row j of L D, from the left */
-      const Four *above = &M[k * (k + 1) / 2];
-
-      for (PetscInt q = 0; q < k; q++) row[k] -= row[q] * above[q];
-    }
-    for (PetscInt k = 0; k < j; k++) {
-      const Four factor = row[k] * inverse[k];
-
-      pivot -= factor * row[k];
-      row[k] = factor;
-    }
-    share = pivot / row[j];
-    for (PetscInt i = 0; i < 4; i++) /* keeps NaN */
-      (*least)[i] = share[i] < (*least)[i] || share[i] != share[i] ? share[i] : (*least)[i];
-    inverse[j] = 1.0 / pivot;
-  }
+  FourFactor(terms, M, inverse, least);
   for (PetscInt j = 0; j < terms; j++) { /* L D z = e_0; L^T c = z */
     c[j] = -M[j * (j + 1) / 2];
     for (PetscInt k = 1; k < j; k++) c[j] -= M[j * (j + 1) / 2 + k] * c[k];

@@ -20,12 +20,15 @@ typedef enum {
   FIELD_ID      /* a whole number of 64 bits */
 } FieldShape;
 
-/* A field of snapshots; Gather computes the values of own particles, fluid first, then walls. */
+/* A field of snapshots, of own particles, fluid first, then walls: numbers of the fluid, a label of
+   each particle, or values that Gather computes. */
 typedef struct {
   const char *name, *units;
   FieldShape  shape;
-  PetscBool (*Has)(const Flow *flow);                     /* NULL: every run has it */
-  PetscErrorCode (*Gather)(const Flow *flow, void *rows); /* double, int or long long; collective */
+  PetscBool (*Has)(const Flow *flow);          /* NULL: every run has it */
+  const PetscReal *(*Fluid)(const Flow *flow); /* NULL: the run has none */
+  int (*Label)(const Flow *flow, PetscInt i);
+  PetscErrorCode (*Gather)(const Flow *flow, void *rows); /* double or long long; collective */
 } SnapshotField;
 #define SNAPSHOT_FIELDS 12
 extern const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS];

@@ -42,28 +42,19 @@ static void GatherFluid(const Particles *p, PetscReal scale, const PetscReal val
     rows[i] = i < p->n_fluid ? (double)(scale * values[i]) : 0.0;
 }
 
-static PetscBool Has_Pressure(const Flow *flow)
+static const PetscReal *Fluid_Pressure(const Flow *flow)
 {
-  return SceneHas(flow->scene, PHYSICS_PRESSURE);
+  return SceneHas(flow->scene, PHYSICS_PRESSURE) ? flow->particles->p : NULL;
 }
 
-static PetscErrorCode Gather_Pressure(const Flow *flow, void *rows)
+static const PetscReal *Fluid_Viscosity(const Flow *flow)
 {
-  PetscFunctionBegin;
-  GatherFluid(flow->particles, 1.0, flow->particles->p, (double *)rows);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return flow->particles->nu;
 }
 
-static PetscBool Has_Viscosity(const Flow *flow)
+static const PetscReal *Fluid_Volume(const Flow *flow)
 {
-  return flow->particles->nu ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscErrorCode Gather_Viscosity(const Flow *flow, void *rows)
-{
-  PetscFunctionBegin;
-  GatherFluid(flow->particles, 1.0, flow->particles->nu, (double *)rows);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return SceneIsGraded(flow->scene) ? flow->particles->volume : NULL;
 }
 
 static PetscBool Has_Density(const Flow *flow)
@@ -153,24 +144,9 @@ static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Has_Volume(const Flow *flow)
+static int Label_Type(const Flow *flow, PetscInt i)
 {
-  return SceneIsGraded(flow->scene);
-}
-
-static PetscErrorCode Gather_Volume(const Flow *flow, void *rows)
-{
-  PetscFunctionBegin;
-  GatherFluid(flow->particles, 1.0, flow->particles->volume, (double *)rows);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Gather_Type(const Flow *flow, void *rows)
-{
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < ParticlesOwn(flow->particles); i++)
-    ((int *)rows)[i] = (int)flow->particles->kind[i];
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return (int)flow->particles->kind[i];
 }
 
 static PetscBool Has_Surface(const Flow *flow)
@@ -178,26 +154,16 @@ static PetscBool Has_Surface(const Flow *flow)
   return flow->ops->free ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Copies the place of each particle with respect to the free surface, SurfaceKind. */
-static PetscErrorCode Gather_Surface(const Flow *flow, void *rows)
+/* Returns the place of a particle with respect to the free surface, SurfaceKind. */
+static int Label_Surface(const Flow *flow, PetscInt i)
 {
-  const Particles *p = flow->particles;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
-    ((int *)rows)[i] = i < p->n_fluid ? (int)flow->ops->free->kind[i] : 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return i < flow->particles->n_fluid ? (int)flow->ops->free->kind[i] : 0;
 }
 
-/* Copies the boundary number of each wall particle; -1 for fluid. */
-static PetscErrorCode Gather_Boundary(const Flow *flow, void *rows)
+/* Returns the boundary number of a wall particle; -1 for fluid. */
+static int Label_Boundary(const Flow *flow, PetscInt i)
 {
-  const Particles *p = flow->particles;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
-    ((int *)rows)[i] = i < p->n_fluid ? -1 : (int)p->side[i];
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return i < flow->particles->n_fluid ? -1 : (int)flow->particles->side[i];
 }
 
 static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
@@ -212,16 +178,8 @@ static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
 const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
     {.name = "position", .units = "m", .shape = FIELD_VECTOR, .Gather = Gather_Position},
     {.name = "velocity", .units = "m/s", .shape = FIELD_VECTOR, .Gather = Gather_Velocity},
-    {.name   = "pressure",
-     .units  = "Pa",
-     .shape  = FIELD_SCALAR,
-     .Has    = Has_Pressure,
-     .Gather = Gather_Pressure},
-    {.name   = "viscosity",
-     .units  = "m^2/s",
-     .shape  = FIELD_SCALAR,
-     .Has    = Has_Viscosity,
-     .Gather = Gather_Viscosity},
+    {.name = "pressure", .units = "Pa", .shape = FIELD_SCALAR, .Fluid = Fluid_Pressure},
+    {.name = "viscosity", .units = "m^2/s", .shape = FIELD_SCALAR, .Fluid = Fluid_Viscosity},
     {.name   = "density",
      .units  = "kg/m^3",
      .shape  = FIELD_SCALAR,
@@ -237,24 +195,21 @@ const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
      .shape  = FIELD_SCALAR,
      .Has    = Has_Gradient,
      .Gather = Gather_StrainRate},
-    {.name   = "volume",
-     .units  = "m^dim",
-     .shape  = FIELD_SCALAR,
-     .Has    = Has_Volume,
-     .Gather = Gather_Volume},
-    {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Gather = Gather_Type},
-    {.name   = "surface",
-     .units  = "0 inside, 1 on a free surface, 2 on a rough one, 3 isolated",
-     .shape  = FIELD_LABEL,
-     .Has    = Has_Surface,
-     .Gather = Gather_Surface},
-    {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Gather = Gather_Boundary},
+    {.name = "volume", .units = "m^dim", .shape = FIELD_SCALAR, .Fluid = Fluid_Volume},
+    {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Label = Label_Type},
+    {.name  = "surface",
+     .units = "0 inside, 1 on a free surface, 2 on a rough one, 3 isolated",
+     .shape = FIELD_LABEL,
+     .Has   = Has_Surface,
+     .Label = Label_Surface},
+    {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Label = Label_Boundary},
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 
 /* SnapshotHas - Returns true if the run has a field; not collective */
 PetscBool SnapshotHas(const Flow *flow, const SnapshotField *field)
 {
+  if (field->Fluid) return field->Fluid(flow) ? PETSC_TRUE : PETSC_FALSE;
   return !field->Has || field->Has(flow);
 }
 
@@ -306,7 +261,10 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
       stored = H5T_STD_I64LE;
       given  = H5T_NATIVE_LLONG;
     }
-    PetscCall(field->Gather(flow, rows));
+    for (PetscInt i = 0; field->Label && i < ParticlesOwn(p); i++)
+      ((int *)rows)[i] = field->Label(flow, i);
+    if (field->Fluid) GatherFluid(p, 1.0, field->Fluid(flow), rows);
+    if (field->Gather) PetscCall(field->Gather(flow, rows));
     RowsOutOfFrame(flow, field, rows);
     PetscCall(Hdf5WriteRows(file, field->name, SnapshotColumns(flow, field), stored, given, rows,
                             field->units));

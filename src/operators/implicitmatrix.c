@@ -77,40 +77,23 @@ static PetscErrorCode ShellCreate(const AffineOperator *op, Mat *J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define ENTRIES "entries"
-
-/* The entries of a matrix, which uses them on a single rank. */
-typedef struct {
-  PetscInt  *col;
-  PetscReal *value;
-} Entries;
-
-static PetscErrorCode EntriesDestroy(void *ctx)
-{
-  Entries *entries = (Entries *)ctx;
-
-  PetscFunctionBegin;
-  PetscCall(PetscFree2(entries->col, entries->value));
-  PetscCall(PetscFree(entries));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Creates a matrix with the pattern of the rows and zeros. */
 static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
 {
   const Particles *p       = rows->particles;
   const PetscInt   n       = rows->fluid.row[p->n_fluid];
   Pattern          pattern = rows->fluid;
-  Entries         *entries;
+  SparseRows       entries;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&entries));
-  PetscCall(PetscMalloc2(n, &entries->col, n, &entries->value));
-  PetscCall(PetscArrayzero(entries->value, n));
-  for (PetscInt s = 0; s < n; s++) entries->col[s] = Column(rows, s);
-  pattern.col = entries->col;
-  PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, NULL, J));
-  PetscCall(MatKeep(*J, ENTRIES, entries, EntriesDestroy));
+  PetscCall(SparseRowsMalloc(p->n_fluid, n, &entries));
+  PetscCall(PetscArraycpy(entries.row, pattern.row, p->n_fluid + 1));
+  PetscCall(PetscArrayzero(entries.value, n));
+  for (PetscInt s = 0; s < n; s++) entries.col[s] = Column(rows, s);
+  pattern.row = entries.row;
+  pattern.col = entries.col;
+  PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries.value, NULL, J));
+  PetscCall(SparseRowsKeep(&entries, MAT_VALUES, *J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,9 +170,8 @@ static PetscErrorCode SetRows(const AffineOperator *op, PetscReal shift, PetscRe
    collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
-  Pattern        pattern = op->rows ? op->rows->fluid : (Pattern){.n = 0};
-  PetscContainer container;
-  PetscBool      plain, is_shell;
+  SparseRows *entries;
+  PetscBool   plain, is_shell;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSHELL, &is_shell));
@@ -209,14 +191,10 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscObjectTypeCompareAny((PetscObject)J, &plain, MATSEQAIJ, MATMPIAIJ, ""));
-  PetscCall(PetscObjectQuery((PetscObject)J, ENTRIES, (PetscObject *)&container));
-  if (plain && container) {
-    Entries *entries;
-
-    PetscCall(PetscContainerGetPointer(container, (void **)&entries));
+  PetscCall(SparseRowsGet(J, MAT_VALUES, &entries));
+  if (plain && entries) {
     SystemValues(op, shift, scale, entries->value);
-    pattern.col = entries->col;
-    PetscCall(PatternMatSet(&pattern, entries->value, J));
+    PetscCall(PatternMatSet(entries, J));
   } else PetscCall(SetRows(op, shift, scale, J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

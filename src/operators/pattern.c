@@ -92,23 +92,6 @@ PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const 
   return ascending;
 }
 
-/* The storage of a parallel matrix: rows over own columns and over columns of other ranks. */
-typedef struct {
-  PetscInt    *row[2], *col[2];
-  PetscScalar *value[2];
-} SplitRows;
-
-static PetscErrorCode SplitRowsDestroy(void *ctx)
-{
-  SplitRows *split = (SplitRows *)ctx;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; k++)
-    PetscCall(PetscFree3(split->row[k], split->col[k], split->value[k]));
-  PetscCall(PetscFree(split));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Returns true if all columns of row i are own ones, from `start` to before `end`: so are those of
    most rows, and columns ascend. */
 static inline PetscBool RowIsOwn(const Pattern *pattern, PetscInt i, PetscInt start, PetscInt end)
@@ -126,33 +109,33 @@ static PetscErrorCode SplitMat(MPI_Comm comm, const Pattern *pattern, PetscInt r
 {
   const PetscInt entries = pattern->row[rows];
   PetscInt       own     = 0, n[2];
-  SplitRows     *split;
+  SparseRows     part[2]; /* over own columns, and over columns of other ranks */
 
   PetscFunctionBegin;
   for (PetscInt s = 0; s < entries; s++)
     own += pattern->col[s] >= start && pattern->col[s] < start + cols ? 1 : 0;
   n[0] = own;
   n[1] = entries - own;
-  PetscCall(PetscNew(&split));
   for (PetscInt k = 0; k < 2; k++) {
-    PetscCall(PetscMalloc3(rows + 1, &split->row[k], n[k], &split->col[k], n[k], &split->value[k]));
-    n[k] = split->row[k][0] = 0;
+    PetscCall(SparseRowsMalloc(rows, n[k], &part[k]));
+    n[k] = 0;
   }
   for (PetscInt i = 0; i < rows; i++) {
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
       const PetscInt col = pattern->col[s];
       const PetscInt k   = col >= start && col < start + cols ? 0 : 1;
 
-      split->col[k][n[k]]     = k == 0 ? col - start : col;
-      split->value[k][n[k]++] = values[s];
+      part[k].col[n[k]]     = k == 0 ? col - start : col;
+      part[k].value[n[k]++] = values[s];
     }
-    for (PetscInt k = 0; k < 2; k++) split->row[k][i + 1] = n[k];
+    for (PetscInt k = 0; k < 2; k++) part[k].row[i + 1] = n[k];
   }
   PetscCall(MatCreateMPIAIJWithSplitArrays(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE,
-                                           split->row[0], split->col[0], split->value[0],
-                                           split->row[1], split->col[1], split->value[1], A));
+                                           part[0].row, part[0].col, part[0].value, part[1].row,
+                                           part[1].col, part[1].value, A));
   PetscCall(MatSetOption(*A, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
-  PetscCall(MatKeep(*A, "rows", split, SplitRowsDestroy));
+  PetscCall(SparseRowsKeep(&part[0], "rows", *A));
+  PetscCall(SparseRowsKeep(&part[1], "other_rows", *A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -221,17 +204,55 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PatternMatSet - Sets the values of a matrix of PatternMat(); on a single rank `values` is the
-   array of the matrix; collective */
-PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A)
+/*
+  PatternMatSet - Sets the values of a matrix of PatternMat() to those of its rows, which it keeps
+  as MAT_VALUES
+
+  Collective. On a single rank they are the array of the matrix.
+*/
+PetscErrorCode PatternMatSet(const SparseRows *rows, Mat A)
 {
-  PetscBool parallel;
+  const Pattern pattern = {.row = rows->row, .col = rows->col, .n = rows->n};
+  PetscBool     parallel;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
-  if (parallel) PetscCall(SplitMatSet(pattern, values, A));
+  if (parallel) PetscCall(SplitMatSet(&pattern, rows->value, A));
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PatternBlocks - Creates a matrix of dim x dim blocks on a pattern, with zeros
+
+  Collective. Component b of particle j is unknown number dim j + b. The entries of a slot in each
+  of the dim rows of a particle follow each other, and columns ascend. Input: entries - of a slot in
+  a row: dim, or 1 if blocks are diagonal; columns - number of own particles that the columns stand
+  for.
+*/
+PetscErrorCode PatternBlocks(const Particles *p, PetscInt entries, const Pattern *pattern,
+                             PetscInt columns, Mat *A)
+{
+  const PetscInt d = p->dim, n = d * entries * pattern->row[p->n_fluid];
+  SparseRows     to;
+  Pattern        blocks;
+  PetscInt       q = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SparseRowsMalloc(d * p->n_fluid, n, &to));
+  PetscCall(PetscArrayzero(to.value, n));
+  for (PetscInt r = 0; r < to.n; r++) {
+    const PetscInt i = r / d, first = entries == 1 ? r % d : 0;
+
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++)
+      for (PetscInt b = 0; b < entries; b++) to.col[q++] = d * pattern->col[s] + first + b;
+    to.row[r + 1] = q;
+  }
+  blocks = (Pattern){.row = to.row, .col = to.col, .n = to.n};
+  PetscCall(PatternMat(p->comm, &blocks, to.n, d * columns, to.value, NULL, A));
+  PetscCall(MatSetBlockSizes(*A, d, d));
+  PetscCall(SparseRowsKeep(&to, MAT_VALUES, *A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

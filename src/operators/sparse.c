@@ -1,24 +1,6 @@
 /* Matrices from sorted rows, and sums of matrices of different patterns. */
 #include "isph/operators.h"
 
-/*
-  MatKeep - Keeps data with a matrix, which frees them at its end
-
-  Not collective. Input: name - of the data, for PetscObjectQuery(); Destroy - frees them.
-*/
-PetscErrorCode MatKeep(Mat A, const char name[], void *data, PetscErrorCode (*Destroy)(void *))
-{
-  PetscContainer container;
-
-  PetscFunctionBegin;
-  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
-  PetscCall(PetscContainerSetPointer(container, data));
-  PetscCall(PetscContainerSetUserDestroy(container, Destroy));
-  PetscCall(PetscObjectCompose((PetscObject)A, name, (PetscObject)container));
-  PetscCall(PetscContainerDestroy(&container));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SparseRowsMalloc - Allocates n rows for SparseRowsMat(), which frees them; not collective */
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows)
 {
@@ -40,13 +22,41 @@ static PetscErrorCode RowsFree(SparseRows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RowsDestroy(void *ctx)
+static PetscErrorCode RowsDestroy(void *rows)
 {
-  SparseRows *rows = (SparseRows *)ctx;
+  PetscFunctionBegin;
+  PetscCall(RowsFree((SparseRows *)rows));
+  PetscCall(PetscFree(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SparseRowsKeep - Keeps the arrays of rows with a matrix, which frees them at its end; not
+   collective. Input: name - of the rows, for SparseRowsGet(). */
+PetscErrorCode SparseRowsKeep(const SparseRows *rows, const char name[], Mat A)
+{
+  PetscContainer container;
+  SparseRows    *kept;
 
   PetscFunctionBegin;
-  PetscCall(RowsFree(rows));
-  PetscCall(PetscFree(rows));
+  PetscCall(PetscNew(&kept));
+  *kept = *rows;
+  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
+  PetscCall(PetscContainerSetPointer(container, kept));
+  PetscCall(PetscContainerSetUserDestroy(container, RowsDestroy));
+  PetscCall(PetscObjectCompose((PetscObject)A, name, (PetscObject)container));
+  PetscCall(PetscContainerDestroy(&container));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SparseRowsGet - Returns rows of SparseRowsKeep(), NULL if there are none; not collective */
+PetscErrorCode SparseRowsGet(Mat A, const char name[], SparseRows **rows)
+{
+  PetscContainer container;
+
+  PetscFunctionBegin;
+  *rows = NULL;
+  PetscCall(PetscObjectQuery((PetscObject)A, name, (PetscObject *)&container));
+  if (container) PetscCall(PetscContainerGetPointer(container, (void **)rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,7 +69,6 @@ static PetscErrorCode RowsDestroy(void *ctx)
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A)
 {
   PetscMPIInt size;
-  SparseRows *kept;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
@@ -70,9 +79,7 @@ PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MatCreateSeqAIJWithArrays(comm, rows->n, cols, rows->row, rows->col, rows->value, A));
-  PetscCall(PetscNew(&kept));
-  *kept = *rows;
-  PetscCall(MatKeep(*A, "sparse_rows", kept, RowsDestroy));
+  PetscCall(SparseRowsKeep(rows, "rows", *A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

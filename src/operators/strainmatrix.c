@@ -141,14 +141,14 @@ static void AddCell(const Particles *p, const StrainCells *s, PetscInt c, PetscI
 PetscErrorCode StrainScale(const Scene *scene, const Particles *p, const StrainCells *s, Mat A,
                            Mat B)
 {
-  const Mat  of[] = {A, B};
-  BlockRows *rows[2];
-  PetscInt  *slot;
+  const Mat   of[] = {A, B};
+  SparseRows *rows[2];
+  PetscInt   *slot;
 
   PetscFunctionBegin;
   for (PetscInt w = 0; w < (B ? 2 : 1); w++) {
-    PetscCall(BlockRowsGet(of[w], &rows[w]));
-    PetscCall(PetscArrayzero(rows[w]->value, rows[w]->pattern.row[rows[w]->pattern.n]));
+    PetscCall(SparseRowsGet(of[w], MAT_VALUES, &rows[w]));
+    PetscCall(PetscArrayzero(rows[w]->value, rows[w]->row[rows[w]->n]));
   }
   PetscCall(PetscMalloc1(ParticlesAll(p), &slot));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -157,8 +157,8 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *p, const StrainC
         slot[s->list[w].local[k]] = s->list[w].slot[k];
     for (PetscInt a = 0; a < p->dim; a++) {
       const PetscInt   q = s->sets == 1 ? 0 : a, row = p->dim * i + a;
-      PetscReal *const to[] = {rows[0]->value + rows[0]->pattern.row[row],
-                               B ? rows[1]->value + rows[1]->pattern.row[row] : NULL};
+      PetscReal *const to[] = {rows[0]->value + rows[0]->row[row],
+                               B ? rows[1]->value + rows[1]->row[row] : NULL};
 
       for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
         const PetscInt  c      = s->cell[q][k];
@@ -172,8 +172,7 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *p, const StrainC
     }
   }
   PetscCall(PetscFree(slot));
-  for (PetscInt w = 0; w < (B ? 2 : 1); w++)
-    PetscCall(PatternMatSet(&rows[w]->pattern, rows[w]->value, of[w]));
+  for (PetscInt w = 0; w < (B ? 2 : 1); w++) PetscCall(PatternMatSet(rows[w], of[w]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,8 +186,8 @@ PetscErrorCode StrainMatrices(const Scene *scene, const Particles *p, PetscBool 
   PetscFunctionBegin;
   PetscCall(ListCells(p, s));
   PetscCall(SetLists(p, s, columns));
-  PetscCall(BlockRowsMat(p, p->dim, &columns[0], p->n_fluid, A));
-  if (walls) PetscCall(BlockRowsMat(p, p->dim, &columns[1], p->n_wall, B));
+  PetscCall(PatternBlocks(p, p->dim, &columns[0], p->n_fluid, A));
+  if (walls) PetscCall(PatternBlocks(p, p->dim, &columns[1], p->n_wall, B));
   for (PetscInt w = 0; w < 2; w++) PetscCall(PatternFree(&columns[w]));
   PetscCall(StrainScale(scene, p, s, *A, walls ? *B : NULL));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -47,8 +47,8 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
   const PetscInt  entries = SlotEntries(ops, p->dim);
 
   PetscFunctionBegin;
-  PetscCall(BlockRowsMat(p, entries, &ops->rows.fluid, p->n_fluid, &visc->A));
-  if (ops->forms.wall) PetscCall(BlockRowsMat(p, entries, &ops->rows.walls, p->n_wall, &visc->B));
+  PetscCall(PatternBlocks(p, entries, &ops->rows.fluid, p->n_fluid, &visc->A));
+  if (ops->forms.wall) PetscCall(PatternBlocks(p, entries, &ops->rows.walls, p->n_wall, &visc->B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -117,19 +117,19 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 {
   const AffineOperator *op      = &ops->velocity[0].visc;
   PetscReal            *value[] = {NULL, NULL};
-  BlockRows            *a, *b;
+  SparseRows           *a, *b;
 
   PetscFunctionBegin;
   if (ops->strain) {
     PetscCall(StrainScale(scene, p, ops->strain, op->A, op->B));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(BlockRowsGet(op->A, &a));
+  PetscCall(SparseRowsGet(op->A, MAT_VALUES, &a));
   value[0] = a->value;
-  if (ops->forms.wall) PetscCall(BlockRowsGet(op->B, &b));
+  if (ops->forms.wall) PetscCall(SparseRowsGet(op->B, MAT_VALUES, &b));
   if (ops->forms.wall) value[1] = b->value;
   for (PetscInt i = 0; i < p->n_fluid; i++) ScaleRow(scene, p, ops, i, value);
-  PetscCall(PatternMatSet(&a->pattern, value[0], op->A));
-  if (ops->forms.wall) PetscCall(PatternMatSet(&b->pattern, value[1], op->B));
+  PetscCall(PatternMatSet(a, op->A));
+  if (ops->forms.wall) PetscCall(PatternMatSet(b, op->B));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

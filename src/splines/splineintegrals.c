@@ -48,9 +48,8 @@ static ISPH_INLINE PetscReal Sum(PetscInt dim, const SplineFits *f, PetscInt fir
   return sum;
 }
 
-/* SplineFitIsSingle - Returns true if all components at point g have the fit of the first; not
-   collective */
-PetscBool SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g)
+/* Returns true if all components at point g have the fit of the first. */
+static PetscBool SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g)
 {
   for (PetscInt a = 1; a < f->sets; a++)
     if (f->first[a][a][g] != f->first[0][0][g]) return PETSC_FALSE;
@@ -212,24 +211,14 @@ static PetscInt ListEntries(const Splines *s, PetscInt g, PetscInt k, PetscReal 
   return n;
 }
 
-/* SplinePointIntegrals - Computes the integrals along axis a of point g: V_g dpsi_q/dx_a of all
-   splines that are not zero there, in their order in the window; not collective */
-void SplinePointIntegrals(const Splines *s, PetscInt g, PetscInt a, PetscReal value[])
-{
-  const PetscReal      unit[ISPH_MAX_DIM] = {a == 0, a == 1, a == 2};
-  const SplineBlockSum to                 = {.row = 3, .plane = SPLINES_IN_PLANE, .value = value};
-
-  for (PetscInt k = 0; k < SplinesAtPoint(&s->lattice); k++) value[k] = 0.0;
-  AddPoint(s->lattice.dim, s, g, unit, to);
-}
-
 /* SplineGradientMat - Creates the matrix of the integrals along axis a, points x splines: entries
    scale V_g dpsi_q/dx_a; collective */
 PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T)
 {
-  const PetscInt n = SplinesAtPoint(&s->lattice);
-  PetscInt       row, *width, number[SPLINES_EXTENDED];
-  PetscReal      entry[SPLINES_EXTENDED];
+  const PetscInt  n                  = SplinesAtPoint(&s->lattice);
+  const PetscReal unit[ISPH_MAX_DIM] = {a == 0, a == 1, a == 2};
+  PetscInt        row, *width, number[SPLINES_EXTENDED];
+  PetscReal       entry[SPLINES_EXTENDED];
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(s->inside.n, &width));
@@ -239,10 +228,11 @@ PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt 
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*T, &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
-    PetscReal value[SPLINES_AT_QUADRATIC];
-    PetscInt  entries = 0;
+    PetscReal            value[SPLINES_AT_QUADRATIC] = {0.0};
+    const SplineBlockSum to      = {.row = 3, .plane = SPLINES_IN_PLANE, .value = value};
+    PetscInt             entries = 0;
 
-    SplinePointIntegrals(s, g, a, value);
+    AddPoint(s->lattice.dim, s, g, unit, to);
     for (PetscInt k = 0; k < n; k++)
       entries += ListEntries(s, g, k, s->scale * value[k], number + entries, entry + entries);
     PetscCall(MatSetValues(*T, 1, &row, entries, number, entry, ADD_VALUES));

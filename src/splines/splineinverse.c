@@ -177,36 +177,24 @@ static PetscErrorCode TurnSlabs(ScatterMode mode, SplineInverse *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves a vector to the slabs in v->work[0]. */
-static PetscErrorCode MoveToSlabs(Vec x, SplineInverse *v)
+/* Moves a vector to the slabs in v->work[0], or back. */
+static PetscErrorCode Deal(Vec x, ScatterMode mode, SplineInverse *v)
 {
-  const PetscScalar *a;
+  const PetscBool to_slabs = mode == SCATTER_FORWARD;
+  PetscScalar    *a;
 
   PetscFunctionBegin;
   if (v->spread) {
     PetscCall(VecPlaceArray(v->slab.v, v->work[0]));
-    PetscCall(VecScatterBegin(v->deal, x, v->slab.v, INSERT_VALUES, SCATTER_FORWARD));
-    PetscCall(VecScatterEnd(v->deal, x, v->slab.v, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterBegin(v->deal, to_slabs ? x : v->slab.v, to_slabs ? v->slab.v : x,
+                              INSERT_VALUES, mode));
+    PetscCall(VecScatterEnd(v->deal, to_slabs ? x : v->slab.v, to_slabs ? v->slab.v : x,
+                            INSERT_VALUES, mode));
     PetscCall(VecResetArray(v->slab.v));
-  } else {
-    PetscCall(VecGetArrayRead(x, &a));
+  } else if (to_slabs) {
+    PetscCall(VecGetArrayRead(x, (const PetscScalar **)&a));
     PetscCall(PetscArraycpy(v->work[0], a, v->slab.size));
-    PetscCall(VecRestoreArrayRead(x, &a));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Moves the slabs in v->work[0] to a vector. */
-static PetscErrorCode Collect(SplineInverse *v, Vec x)
-{
-  PetscScalar *a;
-
-  PetscFunctionBegin;
-  if (v->spread) {
-    PetscCall(VecPlaceArray(v->slab.v, v->work[0]));
-    PetscCall(VecScatterBegin(v->deal, v->slab.v, x, INSERT_VALUES, SCATTER_REVERSE));
-    PetscCall(VecScatterEnd(v->deal, v->slab.v, x, INSERT_VALUES, SCATTER_REVERSE));
-    PetscCall(VecResetArray(v->slab.v));
+    PetscCall(VecRestoreArrayRead(x, (const PetscScalar **)&a));
   } else {
     PetscCall(VecGetArrayWrite(x, &a));
     PetscCall(PetscArraycpy(a, v->work[0], v->slab.size));
@@ -234,7 +222,7 @@ static PetscErrorCode KeepGiven(const Splines *s, Vec b, Vec x)
 PetscErrorCode SplineInverseApply(SplineInverse *v, Vec b, Vec x)
 {
   PetscFunctionBegin;
-  PetscCall(MoveToSlabs(b, v));
+  PetscCall(Deal(b, SCATTER_FORWARD, v));
   TransformSlab(&v->slab, -1, PETSC_FALSE, v);
   if (v->spread) {
     PetscCall(TurnSlabs(SCATTER_FORWARD, v));
@@ -246,7 +234,7 @@ PetscErrorCode SplineInverseApply(SplineInverse *v, Vec b, Vec x)
     SplineTensorDivide(&v->tensor, v->slab.first, v->slab.n, v->work[0]);
   }
   TransformSlab(&v->slab, -1, PETSC_TRUE, v);
-  PetscCall(Collect(v, x));
+  PetscCall(Deal(x, SCATTER_REVERSE, v));
   if (!v->tensor.floats) PetscCall(KeepGiven(v->splines, b, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

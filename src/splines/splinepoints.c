@@ -232,9 +232,10 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
   return s->bodies->fraction[number] / corners;
 }
 
-/* SplineHolds - Returns true if this rank has a point of quadrature: the nodes of a cut cell are
-   where its centre is, because they may be outside the box; not collective */
-PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node, const PetscReal x[])
+/* Returns true if this rank has a point of quadrature: the nodes of a cut cell, which may be outside
+   the box, are on the rank of its centre. */
+static PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node,
+                             const PetscReal x[])
 {
   const PetscInt nodes = 1 << s->lattice.dim;
 

@@ -312,9 +312,8 @@ static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt 
 }
 
 /* splinepoints.c */
-PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
-                      PetscInt *node);
-PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node, const PetscReal x[]);
+PetscReal      SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
+                           PetscInt *node);
 PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
 PetscErrorCode SplinePointsFree(SplinePoints *points);
 
@@ -334,8 +333,6 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplineFitsFree(SplineFits *fits);
 PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
 PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d);
-PetscBool      SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g);
-void           SplinePointIntegrals(const Splines *s, PetscInt g, PetscInt a, PetscReal value[]);
 PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T);
 
 /* splines.c, splinestiffness.c */
@@ -343,9 +340,6 @@ PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const Pets
                          Mat *A);
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
-PetscInt  SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[]);
-PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
-                          PetscInt k, PetscInt cell[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A);
 PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);

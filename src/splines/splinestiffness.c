@@ -4,9 +4,9 @@
 */
 #include "splines.h"
 
-/* SplineSupport - Computes the cells in the support of a spline; returns their number; not
-   collective */
-PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[])
+/* Computes the cells in the support of a spline; returns their number. */
+static PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[],
+                              PetscInt n[])
 {
   const SplineLattice *l     = &s->lattice;
   PetscInt             cells = 1;
@@ -26,10 +26,9 @@ PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[
   return cells;
 }
 
-/* SplineBlockCell - Computes cell k of a block of cells of a lattice, first axis fastest; returns
-   false outside the box; not collective */
-PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
-                          PetscInt k, PetscInt cell[])
+/* Computes cell k of a block of cells, first axis fastest; returns false outside the box. */
+static PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
+                                 PetscInt k, PetscInt cell[])
 {
   SplineIndex(l->dim, first, n, k, cell);
   for (PetscInt a = 0; a < l->dim; a++) {
