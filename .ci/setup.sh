@@ -27,7 +27,7 @@ need_packages() {
   fi
 }
 
-build_packages=(petsc-dev slepc-dev libhypre-dev libhdf5-mpi-dev libmuparser-dev
+build_packages=(petsc-dev libhypre-dev libhdf5-mpi-dev libmuparser-dev
                 libopenmpi-dev openmpi-bin gcc make cmake pkg-config)
 picture_packages=(python3 python3-h5py python3-matplotlib python3-numpy)
 check_packages=(libcmocka-dev clang-format python3 python3-vtk9)
