@@ -19,12 +19,9 @@ static int Compare(const void *a, const void *b)
   return p->side < q->side ? -1 : p->side > q->side;
 }
 
-/*
-  MeshConnect - Finds the triangle across each side
-
-  Not collective. Output: open - number of sides without one; many - of sides with two or more;
-  place - of one of these, otherwise of an open one.
-*/
+/* MeshConnect - Finds the triangle across each side; not collective. Output: open - number of sides
+   without one; many - of sides with two or more; place - of one of these, otherwise of an open
+   one. */
 PetscErrorCode MeshConnect(Mesh *mesh, PetscInt *open, PetscInt *many, PetscReal place[3])
 {
   const PetscInt n = 3 * mesh->triangles;

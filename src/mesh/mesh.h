@@ -5,9 +5,8 @@
 #include "geometry/curves.h"
 #include "isph/mesh.h"
 
-#define FAULT        200
-#define MESH_ANSWERS 65536
-#define TIGHT        1e-6 /* corners that are nearer to each other are one [extent] */
+#define FAULT 200
+#define TIGHT 1e-6 /* corners that are nearer to each other are one [extent] */
 
 /* A file that is read: its text, which ends with '\0', and the numbers that are found in it. */
 typedef struct {
@@ -27,24 +26,18 @@ typedef struct {
   PetscInt  from, to, second; /* second branch, 0 for a leaf */
 } MeshNode;
 
-/* The distance of a place; places are asked for several times in a step. */
-typedef struct {
-  PetscReal x[3], normal[3], distance;
-} MeshAnswer;
-
 /* A closed surface of triangles with corners in counter-clockwise order as seen from outside. */
 typedef struct {
-  PetscInt    corners, triangles;
-  PetscReal  *x;                    /* of each corner [m] */
-  PetscInt   *corner;               /* three of each triangle */
-  PetscInt   *across;               /* triangle beyond the side from corner k to k + 1; -1: none */
-  PetscReal  *normal;               /* of triangles, of length 1 */
-  PetscReal  *around;               /* pseudonormals of corners */
-  MeshNode   *node;                 /* the root is the first */
-  MeshAnswer *answer;               /* MESH_ANSWERS of them */
-  PetscReal   lo[3], hi[3], extent; /* box around it, its longest side [m] */
-  PetscInt    equal, flat, closed;  /* triangles left out, turned to others, added at holes */
-  PetscReal   hole;                 /* part of the area that is added at holes [-] */
+  PetscInt   corners, triangles;
+  PetscReal *x;                    /* of each corner [m] */
+  PetscInt  *corner;               /* three of each triangle */
+  PetscInt  *across;               /* triangle beyond the side from corner k to k + 1; -1: none */
+  PetscReal *normal;               /* of triangles, of length 1 */
+  PetscReal *around;               /* pseudonormals of corners */
+  MeshNode  *node;                 /* the root is the first */
+  PetscReal  lo[3], hi[3], extent; /* box around it, its longest side [m] */
+  PetscInt   equal, flat, closed;  /* triangles left out, turned to others, added at holes */
+  PetscReal  hole;                 /* part of the area that is added at holes [-] */
 } Mesh;
 
 extern const ShapeRow ShapeMesh, ShapeOutlines;

@@ -140,9 +140,6 @@ static PetscErrorCode Read(const char option[], const char text[], Body *body)
   PetscCall(MeshCreate(&file, body->store, mesh));
   PetscCall(PetscFree(file.number));
   UserCheck(!*file.fault, "%s: %s: %s", option, path, file.fault);
-  PetscCall(PetscMalloc1(MESH_ANSWERS, &mesh->answer));
-  PetscCall(BodyStoreAdd(mesh->answer, body->store));
-  for (PetscInt k = 0; k < MESH_ANSWERS; k++) mesh->answer[k].x[0] = PETSC_INFINITY;
   PetscCall(Say(option, path, mesh));
   PetscCall(PetscFree(path));
   fault = SolidCreate(Fill, body);
@@ -164,26 +161,11 @@ static void Span(const Body *body, PetscInt axis, PetscReal span[2])
   span[1] = MeshOf(body)->hi[axis];
 }
 
-/* Returns the distance, of a place that was asked for before from memory. */
 static PetscReal Distance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
-  const Mesh *mesh = MeshOf(body);
-  uint64_t    hash = 0, word;
-  MeshAnswer *kept;
-  PetscReal   foot[3];
+  PetscReal foot[3];
 
-  for (PetscInt a = 0; a < 3; a++) {
-    memcpy(&word, &x[a], sizeof(word));
-    hash = (hash ^ word) * 0x9E3779B97F4A7C15u;
-    hash ^= hash >> 32;
-  }
-  kept = &mesh->answer[hash % MESH_ANSWERS];
-  if (x[0] != kept->x[0] || x[1] != kept->x[1] || x[2] != kept->x[2]) {
-    kept->distance = MeshNearest(mesh, x, foot, kept->normal);
-    for (PetscInt a = 0; a < 3; a++) kept->x[a] = x[a];
-  }
-  for (PetscInt a = 0; a < 3; a++) normal[a] = kept->normal[a];
-  return kept->distance;
+  return MeshNearest(MeshOf(body), x, foot, normal);
 }
 
 const ShapeRow ShapeMesh = {

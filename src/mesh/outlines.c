@@ -62,7 +62,7 @@ static void ReadCsv(MeshFile *file)
       continue;
     }
     file->at += strspn(file->at, " \t");
-    if (strchr(",;", *file->at)) file->at++;
+    if (*file->at == ',' || *file->at == ';') file->at++;
     file->at += strspn(file->at, " \t");
     if (strchr("\r\n", *file->at) || !MeshNumber(file, &y) ||
         !strchr("\r\n", file->at[strspn(file->at, " \t")]))

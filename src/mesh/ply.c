@@ -7,37 +7,30 @@
 #include <stdint.h>
 #include <string.h>
 
-#define MOST_PROPERTIES 64
-#define MOST_ELEMENTS   16
-#define MOST_CORNERS    64
+#define MOST 64 /* properties of all elements, and corners of a face */
 
-/* Kinds of numbers, by both of their names. */
+/* Kinds of numbers by both of their names, their bytes, and signed, unsigned or floating. */
 static const struct {
   const char *name, *other;
   PetscInt    bytes;
-  char        kind; /* signed, unsigned, or floating */
+  char        kind;
 } types[] = {
     {"char", "int8", 1, 's'},     {"uchar", "uint8", 1, 'u'},    {"short", "int16", 2, 's'},
     {"ushort", "uint16", 2, 'u'}, {"int", "int32", 4, 's'},      {"uint", "uint32", 4, 'u'},
     {"float", "float32", 4, 'f'}, {"double", "float64", 8, 'f'},
 };
 
-/* A property; of lists, `count` is the type of the length. */
+/* A property, or an element, which is followed by its properties. */
 typedef struct {
   char     name[32];
-  PetscInt type, count; /* count: -1 for a single number */
-} Property;
-
-typedef struct {
-  char     name[32];
-  PetscInt n, properties;
-  Property property[MOST_PROPERTIES];
-} Element;
+  PetscInt type, count; /* of numbers, of the length of a list; count -1: no list */
+  PetscInt items;       /* of an element; -1: a property */
+} Entry;
 
 typedef struct {
   PetscBool text, big; /* big: the first byte is the highest */
   PetscInt  n;
-  Element   element[MOST_ELEMENTS];
+  Entry     entry[MOST];
 } Header;
 
 /* Reads a word of the header without blanks. */
@@ -63,51 +56,39 @@ static PetscInt Type(MeshFile *file)
   return 0;
 }
 
-static void ReadElement(MeshFile *file, Header *h)
-{
-  PetscReal n = -1.0;
-
-  if (h->n == MOST_ELEMENTS) MeshFail(file, "its header has over %d elements", MOST_ELEMENTS);
-  if (*file->fault) return;
-  Word(file, h->element[h->n].name);
-  if (!MeshNumber(file, &n) || !(n >= 0.0 && n <= (PetscReal)file->length))
-    MeshFail(file, "its header has %g of '%s', more than its bytes, or none", (double)n,
-             h->element[h->n].name);
-  else h->element[h->n++].n = (PetscInt)n;
-}
-
-static void ReadProperty(MeshFile *file, Header *h)
-{
-  Element  *e = h->n ? &h->element[h->n - 1] : NULL;
-  Property *p;
-
-  if (!e || e->properties == MOST_PROPERTIES)
-    MeshFail(file, "its header has a property of no element, or over %d", MOST_PROPERTIES);
-  if (*file->fault) return;
-  p        = &e->property[e->properties++];
-  p->count = MeshWord(file, "list") ? Type(file) : -1;
-  p->type  = Type(file);
-  Word(file, p->name);
-}
-
 static void ReadHeader(MeshFile *file, Header *h)
 {
   PetscBool format = PETSC_FALSE;
 
-  MeshSkipLine(file);
-  while (!*file->fault && *file->at && !MeshWord(file, "end_header")) {
+  for (MeshSkipLine(file); *file->at && !MeshWord(file, "end_header"); MeshSkipLine(file)) {
+    Entry    *e = &h->entry[h->n];
+    PetscReal n = -1.0;
+
+    if (*file->fault) return;
     if (MeshWord(file, "format")) {
       format  = PETSC_TRUE;
       h->text = MeshWord(file, "ascii");
       h->big  = MeshWord(file, "binary_big_endian");
       if (!h->text && !h->big && !MeshWord(file, "binary_little_endian"))
         MeshFail(file, "its format is none of ascii, binary_little_endian, binary_big_endian");
-    } else if (MeshWord(file, "element")) {
-      ReadElement(file, h);
-    } else if (MeshWord(file, "property")) {
-      ReadProperty(file, h);
+      continue;
     }
-    MeshSkipLine(file);
+    if (h->n == MOST) MeshFail(file, "its header has over %d properties", MOST);
+    else if (MeshWord(file, "element")) {
+      Word(file, e->name);
+      if (!MeshNumber(file, &n) || !(n >= 0.0 && n <= (PetscReal)file->length))
+        MeshFail(file, "its header has %g of '%s', more than its bytes, or none", (double)n,
+                 e->name);
+      else e->items = (PetscInt)n;
+      h->n++;
+    } else if (MeshWord(file, "property")) {
+      if (h->n == 0) MeshFail(file, "its header has a property of no element");
+      e->count = MeshWord(file, "list") ? Type(file) : -1;
+      e->type  = Type(file);
+      e->items = -1;
+      Word(file, e->name);
+      h->n++;
+    }
   }
   if (!format || !*file->at) MeshFail(file, "its header has no format or no 'end_header'");
   MeshSkipLine(file);
@@ -118,10 +99,10 @@ static PetscReal Number(MeshFile *file, const Header *h, PetscInt type)
 {
   const PetscInt bytes = types[type].bytes;
   uint64_t       word  = 0;
-  PetscReal      x     = 0.0;
+  uint32_t       half;
+  PetscReal      x = 0.0;
   float          single;
 
-  if (*file->fault) return 0.0;
   if (h->text) {
     if (!MeshNumber(file, &x)) MeshFail(file, "a number is required at '%.20s'", file->at);
     return x;
@@ -136,28 +117,22 @@ static PetscReal Number(MeshFile *file, const Header *h, PetscInt type)
   if (types[type].kind == 'u') return (PetscReal)word;
   if (types[type].kind == 's')
     return (PetscReal)((int64_t)(word << (64 - 8 * bytes)) >> (64 - 8 * bytes));
-  if (bytes == 8) {
-    memcpy(&x, &word, sizeof(x));
-    return x;
-  }
-  {
-    const uint32_t half = (uint32_t)word;
-
-    memcpy(&single, &half, sizeof(single));
-  }
-  return single;
+  half = (uint32_t)word;
+  memcpy(&x, &word, sizeof(x));
+  memcpy(&single, &half, sizeof(single));
+  return bytes == 8 ? x : single;
 }
 
 /* Reads an item of an element. Output: x - coordinates of a point; corner - n of a face */
-static void ReadItem(MeshFile *file, const Header *h, const Element *e, PetscReal x[3], PetscInt *n,
-                     PetscInt corner[MOST_CORNERS])
+static void ReadItem(MeshFile *file, const Header *h, PetscInt element, PetscReal x[3], PetscInt *n,
+                     PetscInt corner[MOST])
 {
-  for (PetscInt k = 0; k < e->properties; k++) {
-    const Property *p     = &e->property[k];
+  for (PetscInt k = element + 1; k < h->n && h->entry[k].items < 0; k++) {
+    const Entry    *p     = &h->entry[k];
     const PetscReal count = p->count < 0 ? 1.0 : Number(file, h, p->count);
     const PetscBool face  = !strcmp(p->name, "vertex_indices") || !strcmp(p->name, "vertex_index");
 
-    if (!(count >= 0.0 && count <= (PetscReal)file->length) || (face && count > MOST_CORNERS))
+    if (!(count >= 0.0 && count <= (PetscReal)file->length) || (face && count > MOST))
       MeshFail(file, "a list has %g numbers", (double)count);
     for (PetscInt q = 0; q < count && !*file->fault; q++) {
       const PetscReal value = Number(file, h, p->type);
@@ -178,14 +153,14 @@ void MeshReadPly(MeshFile *file)
 
   ReadHeader(file, &h);
   for (PetscInt k = 0; k < h.n; k++) {
-    const Element  *e    = &h.element[k];
-    const PetscBool face = !strcmp(e->name, "face"), point = !strcmp(e->name, "vertex");
+    const PetscBool face  = !strcmp(h.entry[k].name, "face"),
+                    point = !strcmp(h.entry[k].name, "vertex");
 
-    for (PetscInt q = 0; q < e->n && !*file->fault; q++) {
+    for (PetscInt q = 0; q < h.entry[k].items && !*file->fault; q++) {
       PetscReal x[3] = {NAN, NAN, NAN};
-      PetscInt  n    = 0, corner[MOST_CORNERS];
+      PetscInt  n    = 0, corner[MOST];
 
-      ReadItem(file, &h, e, x, &n, corner);
+      ReadItem(file, &h, k, x, &n, corner);
       if (*file->fault) break;
       if (point) MeshAdd(&points, 3, x);
       if (*points.fault) MeshFail(file, "%s", points.fault);

@@ -134,12 +134,9 @@ static void ReadBytes(const char path[], MeshFile *file)
   if (stream) (void)fclose(stream);
 }
 
-/*
-  MeshFileRead - Reads a file of a shape
-
-  Collective. Input: Parse - adds the numbers of file->text, or a fault. Output: file - its numbers,
-  equal on all ranks; the caller frees file->number. Errors: a fault ends the run.
-*/
+/* MeshFileRead - Reads a file of a shape; collective. Input: Parse - adds the numbers of
+   file->text, or a fault. Output: file - its numbers, equal on all ranks; the caller frees
+   file->number. Errors: a fault ends the run. */
 PetscErrorCode MeshFileRead(const char option[], const char path[], void (*Parse)(MeshFile *file),
                             MeshFile *file)
 {

@@ -31,7 +31,10 @@ static PetscReal Number(Pen *pen)
 static PetscBool Flag(Pen *pen)
 {
   pen->file->at += strspn(pen->file->at, " \t\r\n,");
-  if (!strchr("01", *pen->file->at)) MeshFail(pen->file, "a flag of an arc is 0 or 1");
+  if (*pen->file->at != '0' && *pen->file->at != '1') {
+    MeshFail(pen->file, "a flag of an arc is 0 or 1");
+    return PETSC_FALSE;
+  }
   return *pen->file->at++ == '1' ? PETSC_TRUE : PETSC_FALSE;
 }
 
@@ -184,6 +187,8 @@ static void Path(Pen *pen, char command, char quote)
       command  = (char)toupper((unsigned char)*pen->file->at++);
       if (!strchr("MLHVCSQTAZ", command))
         MeshFail(pen->file, "a path has the command '%c'", pen->file->at[-1]);
+    } else if (command == 'Z') {
+      MeshFail(pen->file, "a path has '%.20s' in place of a command", pen->file->at);
     }
     if (command == 'Z') {
       MeshEndLoop(pen->file);

@@ -258,11 +258,8 @@ static PetscReal ToBox(const MeshNode *node, const PetscReal x[])
   return square;
 }
 
-/*
-  MeshNearest - Returns the signed distance of x from a surface, positive outside [m]
-
-  Not collective. Output: foot - the nearest point; normal - out of the solid.
-*/
+/* MeshNearest - Returns the signed distance of x from a surface, positive outside [m]; not
+   collective. Output: foot - the nearest point; normal - out of the solid. */
 PetscReal MeshNearest(const Mesh *mesh, const PetscReal x[], PetscReal foot[3], PetscReal normal[3])
 {
   PetscReal best = PETSC_INFINITY, d, along = 0.0;

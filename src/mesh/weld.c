@@ -79,12 +79,9 @@ static PetscErrorCode Weld(const MeshFile *file, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MeshCreate - Makes a closed surface of the triangles of a file
-
-  Not collective; the same on all ranks. Output: mesh - in the memory of a store; file->fault - if
-  the surface is not closed, or has no inside.
-*/
+/* MeshCreate - Makes a closed surface of the triangles of a file; not collective; the same on all
+   ranks. Output: mesh - in the memory of a store; file->fault - if the surface is not closed, or
+   has no inside. */
 PetscErrorCode MeshCreate(MeshFile *file, BodyStore *store, Mesh *mesh)
 {
   PetscFunctionBegin;
