@@ -22,7 +22,7 @@ RANK = {folder: k for k, folder in enumerate(LAYERS)}
 # Files that call each other: the parts of one object, which stand in one folder.
 CIRCLES = {
     "scene": """bodies boundaries typedchecks scenecreate distances fluids free freebodies grading openings regime spacing symmetry
-        typed""".split(),
+        typed typedbodies""".split(),
     "splines": """splineextend splinefits splineintegrals splines splinestep splinestiffness
         splinewindow""".split(),
 }

@@ -22,8 +22,8 @@ static ISPH_INLINE void FourMonomials(PetscInt dim, PetscInt degree, const Four 
   }
 }
 
-/* Computes the factors L D L^T of matrices, whose rows are one after the other up to the diagonal,
-   and the inverse pivots. Output: least - the least pivot over its diagonal entry, for each lane. */
+/* Computes the factors L D L^T of matrices, stored by rows up to the diagonal, and the inverse
+   pivots. Output: least - the least pivot over its diagonal entry, for each lane. */
 static ISPH_INLINE void FourFactor(PetscInt terms, Four M[], Four inverse[], Four *least)
 {
   *least = (Four){1.0, 1.0, 1.0, 1.0};

@@ -256,7 +256,7 @@ static PetscBool IsBuried(PetscInt n, const Outline o[], PetscInt own, const Pet
 }
 
 /* Sets the pieces of an outline that no other solid buries; without places at which it meets
-   another, one point is enough to know. */
+   another, a single point is enough to know. */
 static PetscErrorCode SetPieces(PetscInt n, Outline o[], PetscInt own, PetscBool meets,
                                 Places *places, PetscReal tight)
 {
@@ -292,9 +292,9 @@ static PetscErrorCode SetPieces(PetscInt n, Outline o[], PetscInt own, PetscBool
 /*
   OutlinesUnite - Sets the pieces of outlines on the border of the fluid: those in no other solid
 
-  Not collective. Outlines of one solid stand together. Where solids have the same line with the
-  fluid on the same side the first one has it, and none has it with the fluid on no side. The pieces
-  of outlines that meet form closed loops together; all these have one box.
+  Not collective. Outlines of a solid stand together. A line of several solids with the fluid on the
+  same side belongs to the first of them, and with the fluid on no side to none. The pieces of
+  outlines that meet form closed loops together, which share a box.
 */
 PetscErrorCode OutlinesUnite(PetscInt n, Outline o[])
 {

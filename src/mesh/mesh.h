@@ -6,7 +6,7 @@
 #include "isph/mesh.h"
 
 #define FAULT 200
-#define TIGHT 1e-6 /* corners that are nearer to each other are one [extent] */
+#define TIGHT 1e-6 /* corners that are nearer to each other are joined [extent] */
 
 /* A file that is read: its text, which ends with '\0', and the numbers that are found in it. */
 typedef struct {

@@ -6,41 +6,7 @@
 #include <ctype.h>
 #include <string.h>
 
-#define MOST_CORNERS 10000 /* sides of polygons are compared with all others */
-#define CLOSED       1e-9  /* part of the areas by which loops that cross are found */
-
-/* MeshAddCorner - Adds a corner of the present loop, unless it repeats the last one; not
-   collective */
-void MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y)
-{
-  const PetscReal  corner[3] = {x, y, (PetscReal)file->loops};
-  const PetscReal *last      = file->n ? &file->number[file->n - 3] : NULL;
-
-  if (last && last[2] == corner[2] && last[0] == x && last[1] == y) return;
-  if (file->n >= 3 * MOST_CORNERS)
-    MeshFail(file, "its outlines have over %d corners; simplify them", MOST_CORNERS);
-  MeshAdd(file, 3, corner);
-}
-
-/* MeshEndLoop - Ends the present loop, and leaves out a last corner at the place of the first; not
-   collective */
-void MeshEndLoop(MeshFile *file)
-{
-  PetscInt   n = 0;
-  PetscReal *x;
-
-  while (n < file->n / 3 && file->number[file->n - 3 * n - 1] == (PetscReal)file->loops) n++;
-  if (n == 0) return;
-  x = &file->number[file->n - 3 * n];
-  if (n > 1 && x[0] == x[3 * n - 3] && x[1] == x[3 * n - 2]) {
-    file->n -= 3;
-    n--;
-  }
-  if (n < 3)
-    MeshFail(file, "an outline at (%g, %g) has %" PetscInt_FMT " corners", (double)x[0],
-             (double)x[1], n);
-  file->loops++;
-}
+#define CLOSED 1e-9 /* part of the areas by which loops that cross are found */
 
 /* Reads lines "x,y"; other lines begin a new loop. */
 static void ReadCsv(MeshFile *file)
@@ -108,7 +74,7 @@ static void Parse(MeshFile *file)
   } else ReadCsv(file);
 }
 
-/* Makes a polygon of each loop. Output: fault - of one of them. */
+/* Makes a polygon of each loop. Output: fault - the first. */
 static PetscErrorCode MakeParts(const MeshFile *file, PetscReal scale, BodyStore *store,
                                 Body part[], const char **fault)
 {

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define MOST_CORNERS 10000 /* of outlines: sides of polygons are compared with all others */
+
 #define MOST_BYTES   2000000000.0 /* of a file */
 #define MOST_NUMBERS 200000000    /* about 20 million triangles */
 
@@ -111,6 +113,39 @@ void MeshAddPolygon(MeshFile *file, PetscInt n, const PetscInt corner[], PetscIn
       if (pass) MeshAdd(file, 9, t);
     }
   }
+}
+
+/* MeshAddCorner - Adds a corner of the present loop, unless it repeats the last one; not
+   collective */
+void MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y)
+{
+  const PetscReal  corner[3] = {x, y, (PetscReal)file->loops};
+  const PetscReal *last      = file->n ? &file->number[file->n - 3] : NULL;
+
+  if (last && last[2] == corner[2] && last[0] == x && last[1] == y) return;
+  if (file->n >= 3 * MOST_CORNERS)
+    MeshFail(file, "its outlines have over %d corners; simplify them", MOST_CORNERS);
+  MeshAdd(file, 3, corner);
+}
+
+/* MeshEndLoop - Ends the present loop, and leaves out a last corner at the place of the first; not
+   collective */
+void MeshEndLoop(MeshFile *file)
+{
+  PetscInt   n = 0;
+  PetscReal *x;
+
+  while (n < file->n / 3 && file->number[file->n - 3 * n - 1] == (PetscReal)file->loops) n++;
+  if (n == 0) return;
+  x = &file->number[file->n - 3 * n];
+  if (n > 1 && x[0] == x[3 * n - 3] && x[1] == x[3 * n - 2]) {
+    file->n -= 3;
+    n--;
+  }
+  if (n < 3)
+    MeshFail(file, "an outline at (%g, %g) has %" PetscInt_FMT " corners", (double)x[0],
+             (double)x[1], n);
+  file->loops++;
 }
 
 /* Reads the bytes of a file on the first rank. */

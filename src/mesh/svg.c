@@ -140,7 +140,7 @@ static void Bend(Pen *pen, char command, PetscBool relative)
   for (PetscInt a = 0; a < 2; a++) pen->control[a] = p[a];
 }
 
-/* Draws one item of a command. */
+/* Draws an item of a command. */
 static void Draw(Pen *pen, char command, PetscBool relative)
 {
   PetscReal x[2] = {pen->at[0], pen->at[1]}, r[2], degrees;

@@ -5,7 +5,7 @@
 #include "isph/motion.h"
 
 #define NODES 3   /* of the rule of Gauss in a step */
-#define DEPTH 0.5 /* to which a body may enter another one [dx] */
+#define DEPTH 0.5 /* to which a body may enter another [dx] */
 
 static const PetscReal gauss[NODES][2] = {
     {0.1127016653792583, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.8872983346207417, 5.0 / 18.0}};

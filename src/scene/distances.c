@@ -4,7 +4,7 @@
 */
 #include "isph/scene.h"
 
-#define SAME_WAY 0.999 /* cosine of the angle between normals of two surfaces in one place */
+#define SAME_WAY 0.999 /* cosine of the angle between normals of two surfaces in a place */
 
 /*
   SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the

@@ -345,7 +345,8 @@ PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, 
 {
   PetscReal period = ExpressionPeriod(scene, &scene->force, t, window, least / window);
 
-  for (PetscInt side = 0; side < SceneBoundaries(scene) && scene->unsteady_walls; side++) {
+  for (PetscInt side = 0; side < 2 * scene->dim + scene->n_bodies && scene->unsteady_walls;
+       side++) {
     const Boundary *boundary = &scene->boundary[side];
 
     period = PetscMin(period, ExpressionPeriod(scene, &boundary->velocity, t, window, least));

@@ -284,7 +284,7 @@ static PetscErrorCode ReadPlace(PetscInt k, Scene *scene, Body *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives the bodies poses, if one of them moves. */
+/* Gives the bodies poses, if any of them moves. */
 static PetscErrorCode CreatePoses(Scene *scene)
 {
   PetscFunctionBegin;

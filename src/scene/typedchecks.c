@@ -53,7 +53,7 @@ static PetscErrorCode CheckImages(const Scene *scene, PetscInt k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if two boundaries move as one solid at time t, seen at x. */
+/* Returns true if two boundaries move as a single solid at time t, seen at x. */
 static PetscBool MoveAlike(const Scene *scene, PetscInt side, PetscInt other, PetscReal t,
                            const PetscReal x[])
 {

@@ -232,8 +232,8 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
   return s->bodies->fraction[number] / corners;
 }
 
-/* Returns true if this rank has a point of quadrature: the nodes of a cut cell, which may be outside
-   the box, are on the rank of its centre. */
+/* Returns true if this rank has a point of quadrature: the nodes of a cut cell, which may be
+   outside the box, are on the rank of its centre. */
 static PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node,
                              const PetscReal x[])
 {
