@@ -307,7 +307,7 @@ def two_layers():
               [*flow, Quantity("force", "shear force on the wall of the thinner fluid", "forces_bottom_fx",
                                0.16 * 1.9474689719506, "exact solution")], (5, 3, 3), seeds, watch),
         Study("two fluids between cylinders, contrast 1e6, the inner one turns as one piece", rings, (20, 40, 80),
-              [*flow, Quantity("force", "torque on the outer cylinder", "forces_body_2_tz", 4 * PI * 18 / 7,
+              [*flow, Quantity("force", "torque on the outer cylinder", "forces_domain_tz", 4 * PI * 18 / 7,
                                "exact solution, infinite contrast")], watch=watch),
         Study("viscosity 1 + 9 y, disordered particles", field, (25, 50, 100),
               [*flow, Quantity("force", "shear force on the lower wall", "forces_bottom_fx", 0.32 * 9 / math.log(10),

@@ -93,7 +93,7 @@ def turning(rate, arguments="", border=None):
         return np.array([-turn * y, turn * x]), None
 
     return Solution(fields, arguments, (lambda x, y: border - np.hypot(x, y)) if border else None,
-                    {"body_1_torque": torque, "body_2_torque": -torque})
+                    {"domain_torque": torque, "body_1_torque": -torque})
 
 
 def channel(rate, arguments=""):
@@ -167,7 +167,7 @@ def turning_named(kind, value):
     if kind == "field":
         return turning(rate_field(value), f"-viscosity_field \"((x^2+y^2)/{INNER**2})^{value / 2:g}\"")
     solution = turning(rate_layers(value, BETWEEN), border=BETWEEN)
-    own = solution.values["body_1_torque"] / (4 * math.pi)  # omega is 1 - own/value (1/INNER^2 - 1/r^2) inside
+    own = solution.values["domain_torque"] / (4 * math.pi)  # omega is 1 - own/value (1/INNER^2 - 1/r^2) inside
     omega = f"(x^2+y^2<{BETWEEN**2}?{RATE - own / value / INNER**2:.12g}+{own / value:.12g}/(x^2+y^2):{own:.12g}*(1/(x^2+y^2)-{1 / OUTER**2:g}))"
     solution.arguments = (f"-scene_fluid_1 circle,0,0,{BETWEEN} -scene_fluid_1_viscosity {value:g} -scene_velocity \"(-y)*{omega},x*{omega}\"")
     return solution

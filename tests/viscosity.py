@@ -52,10 +52,10 @@ for ratio in (1e-3, 10):
         shear = [nu * along @ (slope[:2] + slope[:2].T) @ normal for nu, (_, slope, _) in zip((ratio, 1), sides)]
         assert np.abs(sides[0][0][:2] - sides[1][0][:2]).max() < 2e-3 and abs(shear[0] - shear[1]) < 0.02 * max(1, abs(shear[0])), (ratio, angle)
 # Torques: M. Couette's 4 pi nu/(1/a^2 - 1/b^2); where nu ~ r^2 the quartic powers take the place of the squares.
-assert abs(exact.turning_named("newtonian", 1).values["body_1_torque"] / (4 * math.pi / (16 - 4)) - 1) < 1e-6
-assert abs(exact.turning_named("field", 2).values["body_1_torque"] / (8 * math.pi / 0.25**2 / (256 - 16)) - 1) < 1e-6
-assert abs(exact.turning_named("fluids", 1).values["body_1_torque"] / (4 * math.pi / (16 - 4)) - 1) < 1e-6
-assert abs(exact.turning_named("bingham", 1).values["body_1_torque"] - 1.7731) < 1e-4  # 4 pi (1 + ln 2)/12
+assert abs(exact.turning_named("newtonian", 1).values["domain_torque"] / (4 * math.pi / (16 - 4)) - 1) < 1e-6
+assert abs(exact.turning_named("field", 2).values["domain_torque"] / (8 * math.pi / 0.25**2 / (256 - 16)) - 1) < 1e-6
+assert abs(exact.turning_named("fluids", 1).values["domain_torque"] / (4 * math.pi / (16 - 4)) - 1) < 1e-6
+assert abs(exact.turning_named("bingham", 1).values["domain_torque"] - 1.7731) < 1e-4  # 4 pi (1 + ln 2)/12
 assert abs(exact.channel_named("power", 1).fields(np.zeros(1), np.array([0.5]))[0][0, 0] - 1.5) < 1e-5
 
 subprocess.run([sys.executable, study, "--isph", isph, "--column", "after", "--out", os.getcwd(), "--only", ONLY], check=True,
