@@ -22,6 +22,7 @@ typedef struct {
   PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
 } ShiftRow;
 typedef struct FreeBodies FreeBodies;
+typedef struct Scalars    Scalars;
 
 /* The rate of the last step, and the error in time of the steps; see src/flow/acceleration.c. */
 typedef struct {
@@ -74,7 +75,8 @@ typedef struct {
   Graded       graded;             /* zero unless particles move and are graded */
   Openings     openings;
   KeptFits     kept_fits;
-  FreeBodies  *bodies; /* NULL: no body is free */
+  FreeBodies  *bodies;  /* NULL: no body is free */
+  Scalars     *scalars; /* NULL: the fluid carries none */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
@@ -158,6 +160,8 @@ typedef enum {
   BALANCE_FORCE,
   BALANCE_TORQUE,
   BALANCE_SOLID,
+  BALANCE_SCALAR,
+  BALANCE_BOUNDS,
   BALANCES
 } BalanceKind;
 
@@ -180,7 +184,7 @@ typedef struct {
 } BalanceSheet;
 
 /* The column of the report that a linear solve fills. */
-typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
+typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE, SOLVE_SCALAR } SolveColumn; /* the last: none */
 
 /* The set-up of a preconditioner, see src/solvers/setup.c. */
 typedef struct {
@@ -209,7 +213,7 @@ typedef struct {
   PetscInt    falls_in_a_row; /* those since the last good solve */
 } LinearSolve;
 
-#define SCHEME_MAX_SOLVES    4
+#define SCHEME_MAX_SOLVES    8
 #define SCHEME_MAX_FIGURES   5
 #define SCHEME_MAX_STAGES    16
 #define SCHEME_MAX_OBSERVERS 2

@@ -84,6 +84,7 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
 /* Quantities that cases share: error norms against Exact(), and quantities of every report. */
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
+PetscErrorCode ScalarsMeasure(const Flow *flow, Report *report);
 PetscErrorCode MeasureFree(const Flow *flow, Report *report);
 PetscErrorCode BalancesMeasure(Flow *flow, Report *report);
 PetscErrorCode BalancesOfFailed(Flow *flow, Report *report, PetscViewer viewer);

@@ -141,9 +141,14 @@ const char *VersionCommit(void);
 
 /* Bits of the variables that a text may use, or that a component uses. */
 typedef enum {
-  EXPRESSION_PLACE = 1 << 0, /* x, y and in 3D z [m] */
-  EXPRESSION_TIME  = 1 << 1  /* t [s] */
+  EXPRESSION_PLACE  = 1 << 0, /* x, y and in 3D z [m] */
+  EXPRESSION_TIME   = 1 << 1, /* t [s] */
+  EXPRESSION_FIELDS = 1 << 2, /* fields of the fluid by their names, as a temperature */
+  EXPRESSION_STRAIN = 1 << 3  /* g, the strain rate sqrt(2 E:E) [1/s] */
 } ExpressionUse;
+#define EXPRESSION_FIELDS_MOST 4
+/* Gives the fields at a place and time, in the order in which they were named. */
+typedef void (*FieldsAt)(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[]);
 
 /* State common to all expressions of a scene: constants, variables, parsers, and the first
    fault. */
@@ -174,6 +179,9 @@ typedef struct {
 
 PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope);
 PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value);
+PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[]);
+PetscBool      ExpressionScopeKnows(const ExpressionScope *scope, const char name[]);
+void           ExpressionScopeFieldsAt(ExpressionScope *scope, FieldsAt fields, void *ctx);
 PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope);
 PetscBool      ExpressionScopeIsIdle(const ExpressionScope *scope);
 PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope);
@@ -183,9 +191,11 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
                              PetscInt most, unsigned allowed, Expression *e, PetscBool *given);
 Expression     ExpressionNumber(PetscReal value);
-PetscBool      ExpressionUses(const Expression *e, ExpressionUse what);
+PetscBool      ExpressionUses(const Expression *e, unsigned what);
 PetscReal      ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
 PetscReal      ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
+PetscReal      ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                            const PetscReal field[], PetscReal g);
 PetscReal      ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                               PetscReal tau);
 

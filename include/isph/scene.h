@@ -7,6 +7,7 @@
 #define ISPH_SCENE_H
 
 #include "isph/mesh.h"
+#include "isph/quantities.h"
 #include "isph/regime.h"
 
 typedef struct Scene  Scene;
@@ -244,22 +245,24 @@ struct Scene {
   Expression       exact;      /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
   Expression       force;      /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
-  Boundary   *boundary;
-  PetscInt    n_bodies, boundary_capacity;
-  Pose       *pose;                  /* of each body; NULL: all stay as typed */
-  SurfacePart part[SCENE_MAX_PARTS]; /* of the surface of the domain */
-  PetscInt    n_parts;
-  BodyStore   store;                    /* memory of shapes */
-  Expression  nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
-  Body        region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
-  PetscReal   region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
-  PetscInt    n_regions;
-  Body        filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
-  PetscInt    n_filled;                 /* 0: the fluid fills the box */
-  Rheology    rheology;
-  PetscReal   jitter;         /* largest random displacement at the start [dx] */
-  PetscInt    seed;           /* of the jitter, of the first shift, of random fields */
-  PetscReal   solid_fraction; /* of an array of bodies [-] */
+  Boundary    *boundary;
+  PetscInt     n_bodies, boundary_capacity;
+  Pose        *pose;                  /* of each body; NULL: all stay as typed */
+  SurfacePart  part[SCENE_MAX_PARTS]; /* of the surface of the domain */
+  PetscInt     n_parts;
+  BodyStore    store;  /* memory of shapes */
+  ScalarGiven *scalar; /* that the fluid carries; NULL: none */
+  PetscInt     n_scalars;
+  Expression   nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
+  Body         region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
+  PetscReal    region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
+  PetscInt     n_regions;
+  Body         filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
+  PetscInt     n_filled;                 /* 0: the fluid fills the box */
+  Rheology     rheology;
+  PetscReal    jitter;         /* largest random displacement at the start [dx] */
+  PetscInt     seed;           /* of the jitter, of the first shift, of random fields */
+  PetscReal    solid_fraction; /* of an array of bodies [-] */
   /* numbers of an exact solution that do not depend on place and time; the case computes them in
      its Setup */
   PetscComplex solution[SCENE_SOLUTION];

@@ -35,6 +35,21 @@ typedef struct {
   PetscInt *local, *slot; /* local index, and place among the columns of i */
 } StrainList;
 
+/* The quantity of the fits: the velocity, or a scalar. */
+typedef struct {
+  PetscInt  sets;   /* components with equations of their own at boundaries: 1 or dim */
+  PetscBool normal; /* walls along the axes give their normal velocity only; then sets is dim */
+  const PetscBool *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
+} StrainQuantity;
+
+/* Parts of boundaries that do not give the value of a scalar, each with a row of its value. */
+typedef struct {
+  PetscInt   n, room, *side, *row; /* parts, the boundary of each, and its row */
+  PetscReal *normal,
+      *x; /* dim values of each: out of the fluid, times area [m^(dim-1)]; centroid */
+  StrainRows rows;
+} StrainBorder;
+
 typedef struct StrainCells StrainCells;
 
 struct StrainCells {
@@ -45,21 +60,24 @@ struct StrainCells {
   PetscInt     *fluid;
   PetscReal    *centre[ISPH_MAX_DIM];
   /* gradients of component set s in cell c: entries [first[s][c], first[s][c + 1]) */
-  PetscInt  *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
-  PetscReal *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
-  PetscInt   n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
-  PetscReal *mass;    /* of own fluid: integral of its weight in the fits [m^dim] */
-  PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
-  PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
-  StrainList list[2]; /* fluid, walls */
+  PetscInt    *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
+  PetscReal   *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
+  PetscInt     n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
+  PetscReal   *mean;    /* of a scalar: weights of its mean in cells, at the entries of g[0] */
+  StrainBorder border;  /* of a scalar */
+  PetscReal   *mass;    /* of own fluid: integral of its weight in the fits [m^dim] */
+  PetscReal   *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal   *rate;    /* sqrt(2 E:E) [1/s] */
+  StrainList   list[2]; /* fluid, walls */
   /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
 
 PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
-                              PetscReal edge, PetscInt degree, PetscInt sets, PetscBool normal,
+                              PetscReal edge, PetscInt degree, const StrainQuantity *quantity,
                               StrainCells **cells);
+PetscErrorCode StrainPatterns(const Particles *particles, StrainCells *cells, Pattern columns[2]);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
 PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, const StrainCells *cells,

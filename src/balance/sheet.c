@@ -75,6 +75,25 @@ const BalanceRow BalanceRows[BALANCES] = {
             .remedy = "leave a gap of 2 dx, or try a larger -n",
             .bound  = 1e-9,
         },
+    [BALANCE_SCALAR] =
+        {
+            .name   = "scalar_balance",
+            .brief  = "what scalars have gained, less what entered and sources made, over their "
+                      "range or amount",
+            .what   = "a scalar not kept: the fluid gains more or less of it than enters",
+            .remedy = "try a smaller -scalar_1_ksp_rtol",
+            .bound  = 1e-3,
+        },
+    [BALANCE_BOUNDS] =
+        {
+            .name   = "scalar_bounds",
+            .brief  = "values of scalars beyond those of start and boundaries, the most in a step, "
+                      "over the range of these",
+            .what   = "a scalar not within bounds: it has values that neither start nor boundaries "
+                      "have",
+            .remedy = "try a larger -n, a smaller -dt, or particles that move",
+            .bound  = 0.05,
+        },
 };
 
 /* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input:

@@ -40,7 +40,7 @@ static PetscBool SourceIsOurs(const char path[])
   return !strncmp(path, here, strlen(here) - strlen("src/base/errors.c"));
 }
 
-const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", "-wcsph_", NULL};
+const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", "-wcsph_", "-scalar_", NULL};
 
 /* Returns true if PETSc has found no memory. PETSc 3.18 passes the line of the caller for the error
    code and the name of the caller for the message. */

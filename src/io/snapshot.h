@@ -29,11 +29,10 @@ typedef struct {
   const PetscReal *(*Fluid)(const Flow *flow); /* NULL: the run has none */
   int (*Label)(const Flow *flow, PetscInt i);
   PetscErrorCode (*Gather)(const Flow *flow, void *rows); /* double or long long; collective */
+  const PetscReal *values;                                /* of a scalar of the fluid */
 } SnapshotField;
-#define SNAPSHOT_FIELDS 12
-extern const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS];
 
-PetscBool      SnapshotHas(const Flow *flow, const SnapshotField *field);
+PetscBool      SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field);
 PetscInt       SnapshotColumns(const Flow *flow, const SnapshotField *field);
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file);
 size_t         SnapshotBytes(const Flow *flow);

@@ -3,6 +3,7 @@
   which are computed for the file. A new field needs a function and a row of the table. Wall
   particles have zeros in fields of the fluid.
 */
+#include "schemes/scalars/scalars.h"
 #include "snapshot.h"
 
 /* Copies positions, wrapped into a periodic box, which particles may leave within an epoch. */
@@ -175,7 +176,7 @@ static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
 }
 
 /* The first field is the position. */
-const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
+static const SnapshotField fields[] = {
     {.name = "position", .units = "m", .shape = FIELD_VECTOR, .Gather = Gather_Position},
     {.name = "velocity", .units = "m/s", .shape = FIELD_VECTOR, .Gather = Gather_Velocity},
     {.name = "pressure", .units = "Pa", .shape = FIELD_SCALAR, .Fluid = Fluid_Pressure},
@@ -206,11 +207,27 @@ const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 
-/* SnapshotHas - Returns true if the run has a field; not collective */
-PetscBool SnapshotHas(const Flow *flow, const SnapshotField *field)
+/* SnapshotNext - Finds field *k of the run or one after it, and sets k to the number behind it; begin
+   with 0, the position; returns false after the last; not collective */
+PetscBool SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field)
 {
-  if (field->Fluid) return field->Fluid(flow) ? PETSC_TRUE : PETSC_FALSE;
-  return !field->Has || field->Has(flow);
+  const PetscInt n       = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(fields);
+  const Scalars *scalars = flow->state->scalars;
+
+  while (*k < n &&
+         (fields[*k].Fluid ? !fields[*k].Fluid(flow) : fields[*k].Has && !fields[*k].Has(flow)))
+    *k += 1;
+  if (*k < n) {
+    *field = fields[(*k)++];
+    return PETSC_TRUE;
+  }
+  if (!scalars || *k - n >= scalars->n) return PETSC_FALSE;
+  *field = (SnapshotField){.name   = scalars->scalar[*k - n].given->name,
+                           .units  = "1",
+                           .shape  = FIELD_SCALAR,
+                           .values = scalars->scalar[*k - n].c};
+  *k += 1;
+  return PETSC_TRUE;
 }
 
 /* SnapshotColumns - Returns the number of columns of a field, 0 for a one-dimensional data set; not
@@ -222,7 +239,8 @@ PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
 }
 
 /* Turns the rows of a field, places or vectors, out of a turning frame of reference. */
-static void RowsOutOfFrame(const Flow *flow, const SnapshotField *field, double rows[])
+static void RowsOutOfFrame(const Flow *flow, PetscBool places, const SnapshotField *field,
+                           double rows[])
 {
   const PetscInt  columns = SnapshotColumns(flow, field);
   const PetscReal t       = ClockMoment(flow->clock);
@@ -231,7 +249,7 @@ static void RowsOutOfFrame(const Flow *flow, const SnapshotField *field, double 
     PetscReal v[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < columns; a++) v[a] = (PetscReal)rows[i * columns + a];
-    if (field == SnapshotFieldTable) ScenePlaceOutOfFrame(flow->scene, t, v);
+    if (places) ScenePlaceOutOfFrame(flow->scene, t, v);
     else SceneOutOfFrame(flow->scene, t, v);
     for (PetscInt a = 0; a < columns; a++) rows[i * columns + a] = (double)v[a];
   }
@@ -243,31 +261,31 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
 {
   const Particles *p = flow->particles;
   double          *rows; /* no value of a field is longer than a double */
+  SnapshotField    field;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(3 * ParticlesOwn(p) + 1, &rows));
   file->start = p->fluid_start + p->wall_start;
   file->own   = ParticlesOwn(p);
   file->N     = p->N_fluid + p->N_wall;
-  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++) {
-    const SnapshotField *field  = &SnapshotFieldTable[k];
-    hid_t                stored = H5T_IEEE_F64LE, given = H5T_NATIVE_DOUBLE;
+  for (PetscInt k = 0; SnapshotNext(flow, &k, &field);) {
+    hid_t stored = H5T_IEEE_F64LE, given = H5T_NATIVE_DOUBLE;
 
-    if (!SnapshotHas(flow, field)) continue;
-    if (field->shape == FIELD_LABEL) {
+    if (field.shape == FIELD_LABEL) {
       stored = H5T_STD_I32LE;
       given  = H5T_NATIVE_INT;
-    } else if (field->shape == FIELD_ID) {
+    } else if (field.shape == FIELD_ID) {
       stored = H5T_STD_I64LE;
       given  = H5T_NATIVE_LLONG;
     }
-    for (PetscInt i = 0; field->Label && i < ParticlesOwn(p); i++)
-      ((int *)rows)[i] = field->Label(flow, i);
-    if (field->Fluid) GatherFluid(p, 1.0, field->Fluid(flow), rows);
-    if (field->Gather) PetscCall(field->Gather(flow, rows));
-    RowsOutOfFrame(flow, field, rows);
-    PetscCall(Hdf5WriteRows(file, field->name, SnapshotColumns(flow, field), stored, given, rows,
-                            field->units));
+    for (PetscInt i = 0; field.Label && i < ParticlesOwn(p); i++)
+      ((int *)rows)[i] = field.Label(flow, i);
+    if (field.Fluid) GatherFluid(p, 1.0, field.Fluid(flow), rows);
+    if (field.values) GatherFluid(p, 1.0, field.values, rows);
+    if (field.Gather) PetscCall(field.Gather(flow, rows));
+    RowsOutOfFrame(flow, k == 1 ? PETSC_TRUE : PETSC_FALSE, &field, rows);
+    PetscCall(Hdf5WriteRows(file, field.name, SnapshotColumns(flow, &field), stored, given, rows,
+                            field.units));
   }
   PetscCall(PetscFree(rows));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -280,7 +298,9 @@ size_t SnapshotBytes(const Flow *flow)
   const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
   size_t       row = 8; /* the list of vertices of the group VTKHDF */
 
-  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++)
-    row += 8 * (size_t)PetscMax(1, SnapshotColumns(flow, &SnapshotFieldTable[k]));
+  SnapshotField field;
+
+  for (PetscInt k = 0; SnapshotNext(flow, &k, &field);)
+    row += 8 * (size_t)PetscMax(1, SnapshotColumns(flow, &field));
   return N * row + (size_t)131072;
 }

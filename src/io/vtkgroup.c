@@ -42,6 +42,7 @@ PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
 {
   const long long version[] = {1, 0}, N = file->N, one = 1, offsets[] = {0, file->N},
                   type = VTK_POLY_VERTEX;
+  SnapshotField field;
 
   PetscFunctionBegin;
   PetscCall(Hdf5GroupCreate(file, "VTKHDF"));
@@ -54,16 +55,14 @@ PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
   PetscCall(WriteList(file, "VTKHDF/Offsets", 2, offsets, H5T_STD_I64LE));
   PetscCall(WriteList(file, "VTKHDF/Types", 1, &type, H5T_STD_U8LE));
   PetscCall(WriteVertices(file));
-  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++) {
-    const SnapshotField *field   = &SnapshotFieldTable[k];
-    const PetscInt       columns = SnapshotColumns(flow, field);
-    char                 name[64];
+  for (PetscInt k = 0; SnapshotNext(flow, &k, &field);) {
+    const PetscInt columns = SnapshotColumns(flow, &field);
+    char           name[64];
 
-    if (!SnapshotHas(flow, field)) continue;
-    PetscCall(PetscSNPrintf(name, sizeof(name), "VTKHDF/%s%s", k ? "PointData/" : "Points",
-                            k ? field->name : ""));
-    if (columns == 2) PetscCall(Hdf5Widen(file, field->name, columns, name, 3));
-    else PetscCall(Hdf5Link(file, field->name, name));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "VTKHDF/%s%s", k > 1 ? "PointData/" : "Points",
+                            k > 1 ? field.name : ""));
+    if (columns == 2) PetscCall(Hdf5Widen(file, field.name, columns, name, 3));
+    else PetscCall(Hdf5Link(file, field.name, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -58,7 +58,10 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
 {
   const PetscInt N = snapshot->N, dim = flow->particles->dim;
   char           file[2 * PETSC_MAX_PATH_LEN];
+  PetscInt       k = 0;
+  SnapshotField  field;
 
+  (void)SnapshotNext(flow, &k, &field);
   (void)snprintf(file, sizeof(file), "%s_%04d.h5", name, (int)snapshot->number);
   fprintf(f, "      <Grid Name=\"%s_%04d\" GridType=\"Uniform\">\n", name, (int)snapshot->number);
   fprintf(f, "        <Time Value=\"%.17g\"/>\n", (double)snapshot->t);
@@ -67,12 +70,9 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
   XdmfItem(f, "          ", file, "VTKHDF/Connectivity", XDMF_INT64, N, 0);
   fprintf(f, "        </Topology>\n");
   fprintf(f, "        <Geometry GeometryType=\"%s\">\n", dim == 2 ? "XY" : "XYZ");
-  XdmfItem(f, "          ", file, SnapshotFieldTable[0].name, XDMF_DOUBLE, N, dim);
+  XdmfItem(f, "          ", file, field.name, XDMF_DOUBLE, N, dim);
   fprintf(f, "        </Geometry>\n");
-  for (PetscInt k = 1; k < SNAPSHOT_FIELDS; k++) {
-    if (SnapshotHas(flow, &SnapshotFieldTable[k]))
-      XdmfAttribute(f, file, flow, &SnapshotFieldTable[k], N);
-  }
+  while (SnapshotNext(flow, &k, &field)) XdmfAttribute(f, file, flow, &field, N);
   fprintf(f, "      </Grid>\n");
 }
 

@@ -390,13 +390,13 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
 static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const Neighbors *nb,
                                    Operators *ops)
 {
-  AffineOperator *visc = &ops->velocity[0].visc;
+  const StrainQuantity velocity = {.sets = ops->n_velocity};
+  AffineOperator      *visc     = &ops->velocity[0].visc;
 
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
   PetscCall(MatDestroy(&visc->B));
-  PetscCall(StrainAssemble(scene, p, nb, CELL_EDGE, ops->forms.degree, ops->n_velocity, PETSC_FALSE,
-                           &ops->strain));
+  PetscCall(StrainAssemble(scene, p, nb, CELL_EDGE, ops->forms.degree, &velocity, &ops->strain));
   StrainViscosities(scene, p, ops->strain);
   PetscCall(StrainMatrices(scene, p, ops->forms.wall ? PETSC_TRUE : PETSC_FALSE, ops->strain,
                            &visc->A, &visc->B));

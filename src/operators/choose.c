@@ -312,7 +312,7 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
   UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc) ||
-                forms->visc.row->Row == LaplacianRow_PairwiseStress,
+                forms->visc.row->Row == LaplacianRow_PairwiseStress || forms->visc.row->weak,
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
@@ -408,7 +408,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   forms->radius = forms->reach = forms->kernel->support * forms->h;
   if (needs & NEED_STREAMS) forms->reach += STREAM_MARGIN * SceneCoarsest(scene);
   if (forms->wall && forms->wall->dynamic) forms->reach += forms->radius;
-  if (forms->visc.row && forms->visc.row->weak)
+  if ((forms->visc.row && forms->visc.row->weak) || scene->n_scalars)
     forms->reach = PetscMax(forms->reach, StrainReach(scene));
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =

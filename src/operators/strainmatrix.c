@@ -111,6 +111,16 @@ static PetscErrorCode SetLists(const Particles *p, StrainCells *s, Pattern colum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* StrainPatterns - Lists the places of own fluid in the cells, and its columns over fluid and over
+   walls; not collective */
+PetscErrorCode StrainPatterns(const Particles *p, StrainCells *s, Pattern columns[2])
+{
+  PetscFunctionBegin;
+  PetscCall(ListCells(p, s));
+  PetscCall(SetLists(p, s, columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds cell c to the rows of component a of a particle. Input: own - weights of the particle in the
    gradient, times -V nu/(nu_0 M); slot - by local index; to - entries of the row over fluid and
    walls. */
@@ -184,8 +194,7 @@ PetscErrorCode StrainMatrices(const Scene *scene, const Particles *p, PetscBool 
   Pattern columns[2] = {{NULL}};
 
   PetscFunctionBegin;
-  PetscCall(ListCells(p, s));
-  PetscCall(SetLists(p, s, columns));
+  PetscCall(StrainPatterns(p, s, columns));
   PetscCall(PatternBlocks(p, p->dim, &columns[0], p->n_fluid, A));
   if (walls) PetscCall(PatternBlocks(p, p->dim, &columns[1], p->n_wall, B));
   for (PetscInt w = 0; w < 2; w++) PetscCall(PatternFree(&columns[w]));

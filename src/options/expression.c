@@ -46,7 +46,12 @@ struct ExpressionScope {
   PetscReal        constant[SCOPE_CONSTANTS];
   muParserHandle_t parser[SCOPE_PARSERS];
   muFloat_t        x[ISPH_MAX_DIM], t; /* position and time, read by parsers [m], [s] */
-  char             fault[512];         /* message for the first value that was not finite, or "" */
+  PetscInt         n_fields;
+  char             field_name[EXPRESSION_FIELDS_MOST][16];
+  muFloat_t        field[EXPRESSION_FIELDS_MOST], rate; /* at the place, read by parsers */
+  FieldsAt         fields;                              /* NULL: the fields are zero */
+  void            *ctx;                                 /* of it */
+  char             fault[512]; /* message for the first value that was not finite, or "" */
 };
 
 /*
@@ -73,6 +78,40 @@ PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], 
   PetscCall(PetscStrncpy(scope->name[scope->n_constants], name, sizeof(scope->name[0])));
   scope->constant[scope->n_constants++] = value;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionScopeField - Names a field that expressions set later may use; not collective */
+PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[])
+{
+  PetscFunctionBegin;
+  PetscCheck(scope->n_fields < EXPRESSION_FIELDS_MOST, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "no room for the field %s", name);
+  PetscCall(PetscStrncpy(scope->field_name[scope->n_fields++], name, sizeof(scope->field_name[0])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionScopeKnows - Returns true if a name has a meaning in expressions already; not
+   collective */
+PetscBool ExpressionScopeKnows(const ExpressionScope *scope, const char name[])
+{
+  PetscBool known = !strcmp(name, "x") || !strcmp(name, "y") || !strcmp(name, "z") ||
+                            !strcmp(name, "t") || !strcmp(name, "g")
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
+
+  for (PetscInt k = 0; k < scope->n_constants; k++)
+    if (!strcmp(name, scope->name[k])) known = PETSC_TRUE;
+  for (PetscInt k = 0; k < scope->n_fields; k++)
+    if (!strcmp(name, scope->field_name[k])) known = PETSC_TRUE;
+  return known;
+}
+
+/* ExpressionScopeFieldsAt - Sets the function that gives the fields at a place and time; not
+   collective */
+void ExpressionScopeFieldsAt(ExpressionScope *scope, FieldsAt fields, void *ctx)
+{
+  scope->fields = fields;
+  scope->ctx    = ctx;
 }
 
 /* ExpressionScopeDestroy - Destroys a scope with all its expressions; not collective */
@@ -145,6 +184,9 @@ static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
   for (PetscInt a = 0; a < scope->dim && (allowed & EXPRESSION_PLACE); a++)
     mupDefineVar(*parser, axes[a], &scope->x[a]);
   if (allowed & EXPRESSION_TIME) mupDefineVar(*parser, "t", &scope->t);
+  for (PetscInt k = 0; k < scope->n_fields && (allowed & EXPRESSION_FIELDS); k++)
+    mupDefineVar(*parser, scope->field_name[k], &scope->field[k]);
+  if (allowed & EXPRESSION_STRAIN) mupDefineVar(*parser, "g", &scope->rate);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(operators); k++)
     mupDefineOprt(*parser, operators[k].name, operators[k].Function, operators[k].precedence,
                   muOPRT_ASCT_LEFT, PETSC_TRUE);
@@ -159,6 +201,9 @@ static void AllowedNames(const ExpressionScope *scope, unsigned allowed, char na
   for (PetscInt a = 0; a < scope->dim && (allowed & EXPRESSION_PLACE); a++)
     AppendWord(names, length, axes[a]);
   if (allowed & EXPRESSION_TIME) AppendWord(names, length, "t");
+  for (PetscInt k = 0; k < scope->n_fields && (allowed & EXPRESSION_FIELDS); k++)
+    AppendWord(names, length, scope->field_name[k]);
+  if (allowed & EXPRESSION_STRAIN) AppendWord(names, length, "g");
   for (PetscInt k = 0; k < scope->n_constants; k++) AppendWord(names, length, scope->name[k]);
 }
 
@@ -185,7 +230,11 @@ static unsigned ParserUses(const ExpressionScope *scope, muParserHandle_t parser
     muFloat_t      *variable;
 
     mupGetExprVar(parser, (unsigned)k, &name, &variable);
-    uses |= variable == &scope->t ? EXPRESSION_TIME : EXPRESSION_PLACE;
+    if (variable == &scope->t) uses |= EXPRESSION_TIME;
+    else if (variable == &scope->rate) uses |= EXPRESSION_STRAIN;
+    else if (variable >= scope->field && variable < scope->field + EXPRESSION_FIELDS_MOST)
+      uses |= EXPRESSION_FIELDS;
+    else uses |= EXPRESSION_PLACE;
   }
   return uses;
 }
@@ -346,10 +395,10 @@ Expression ExpressionNumber(PetscReal value)
 
 /* ExpressionUses - Returns true if any component depends on the given variables, position or time;
    not collective */
-PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
+PetscBool ExpressionUses(const Expression *e, unsigned what)
 {
   for (PetscInt c = 0; c < e->n; c++) {
-    if (e->uses[c] & (unsigned)what) return PETSC_TRUE;
+    if (e->uses[c] & what) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -366,6 +415,12 @@ PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const Pe
 
   if (e->curve[c]) return TimeCurveValue(e->curve[c], t);
   if (!e->parser[c]) return e->value[c];
+  if (e->uses[c] & EXPRESSION_FIELDS && scope->fields && x) {
+    PetscReal value[EXPRESSION_FIELDS_MOST];
+
+    scope->fields(scope->ctx, t, x, value); /* may evaluate other expressions */
+    for (PetscInt k = 0; k < scope->n_fields; k++) scope->field[k] = value[k];
+  }
   for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
   scope->t = t;
   return mupEval(e->parser[c]);
@@ -397,6 +452,27 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
     }
   }
   return 0.0;
+}
+
+/*
+  ExpressionOf - Returns component c at a position and time for given values of the fields and of the
+  strain rate g, as ExpressionValue(); not collective
+*/
+PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                       const PetscReal field[], PetscReal g)
+{
+  ExpressionScope *scope = e->scope;
+  FieldsAt         fields;
+  PetscReal        value;
+
+  if (!e->parser[c]) return e->value[c];
+  fields        = scope->fields;
+  scope->fields = NULL;
+  scope->rate   = g;
+  for (PetscInt k = 0; k < scope->n_fields; k++) scope->field[k] = field[k];
+  value         = ExpressionValue(e, c, t, x);
+  scope->fields = fields;
+  return value;
 }
 
 /*

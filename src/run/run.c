@@ -185,6 +185,7 @@ static PetscErrorCode RunMeasure(Run *run)
   run->report->t = run->flow.clock->t;
   PetscCall(FlowPrepareOutput(&run->flow));
   PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  PetscCall(ScalarsMeasure(&run->flow, run->report));
   PetscCall(BalancesMeasure(&run->flow, run->report));
   PetscCall(TrustMeasure(&run->flow, run->report));
   PetscFunctionReturn(PETSC_SUCCESS);

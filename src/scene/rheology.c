@@ -38,6 +38,40 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
                      (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
 }
 
+/* Returns nu = K (g^2 + 1/m^2)^((n-1)/2) + tau_0 (1 - exp(-m g))/g; for m -> infinity it is the
+   Herschel-Bulkley model. */
+static PetscReal RheologyNu_HerschelBulkley(const Rheology *r, PetscReal rate)
+{
+  const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
+  const PetscReal yields = x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x);
+
+  return r->parameter[RHEOLOGY_YIELD] * yields +
+         r->parameter[RHEOLOGY_CONSISTENCY] *
+             PetscPowReal(rate * rate + 1.0 / (m * m),
+                          0.5 * (r->parameter[RHEOLOGY_EXPONENT] - 1.0));
+}
+
+/* Returns nu = (nu_p^1/2 + (tau_0/g)^1/2 (1 - exp(-(m g)^1/2)))^2, with nu_p = Scene.nu; for m ->
+   infinity it is the Casson model. */
+static PetscReal RheologyNu_Casson(const Rheology *r, PetscReal rate)
+{
+  const PetscReal root = PetscSqrtReal(r->parameter[RHEOLOGY_REGULARISATION] * rate);
+  const PetscReal part = root > 1e-8 ? -expm1(-(double)root) / PetscSqrtReal(rate)
+                                     : PetscSqrtReal(r->parameter[RHEOLOGY_REGULARISATION]);
+
+  return PetscSqr(PetscSqrtReal(r->nu) + PetscSqrtReal(r->parameter[RHEOLOGY_YIELD]) * part);
+}
+
+/* Returns nu = nu_inf + (nu_0 - nu_inf)/(1 + (lambda g)^(1-n)), with nu_0 = Scene.nu. */
+static PetscReal RheologyNu_Cross(const Rheology *r, PetscReal rate)
+{
+  const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE];
+
+  return infinite +
+         (r->nu - infinite) / (1.0 + PetscPowReal(r->parameter[RHEOLOGY_TIME] * rate,
+                                                  1.0 - r->parameter[RHEOLOGY_EXPONENT]));
+}
+
 /* ---- strain rate g at a shear stress tau > 0 [1/s]: of the ideal fluid, with neither bounds of
    the viscosity nor regularisation ---- */
 
@@ -48,15 +82,15 @@ static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
 }
 
 /* Returns g with nu(g) g = tau, found by bisection; the stress increases with the rate. */
-static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
+static PetscReal RheologyRate_Bisect(const Rheology *r, PetscReal tau)
 {
   PetscReal low = 0.0, high = tau / r->nu;
 
-  while (RheologyNu_Carreau(r, high) * high < tau) high *= 2.0;
+  while (r->row->Nu(r, high) * high < tau) high *= 2.0;
   for (PetscInt k = 0; k < 60; k++) {
     const PetscReal middle = 0.5 * (low + high);
 
-    if (RheologyNu_Carreau(r, middle) * middle < tau) low = middle;
+    if (r->row->Nu(r, middle) * middle < tau) low = middle;
     else high = middle;
   }
   return 0.5 * (low + high);
@@ -66,6 +100,22 @@ static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
 static PetscReal RheologyRate_Papanastasiou(const Rheology *r, PetscReal tau)
 {
   return PetscMax(0.0, tau - r->parameter[RHEOLOGY_YIELD]) / r->nu;
+}
+
+/* Returns the rate of the Herschel-Bulkley model, zero below the yield stress. */
+static PetscReal RheologyRate_HerschelBulkley(const Rheology *r, PetscReal tau)
+{
+  return PetscPowReal(PetscMax(0.0, tau - r->parameter[RHEOLOGY_YIELD]) /
+                          r->parameter[RHEOLOGY_CONSISTENCY],
+                      1.0 / r->parameter[RHEOLOGY_EXPONENT]);
+}
+
+/* Returns the rate of the Casson model, zero below the yield stress. */
+static PetscReal RheologyRate_Casson(const Rheology *r, PetscReal tau)
+{
+  const PetscReal root = PetscSqrtReal(tau) - PetscSqrtReal(r->parameter[RHEOLOGY_YIELD]);
+
+  return PetscSqr(PetscMax(0.0, root)) / r->nu;
 }
 
 static const RheologyRow rheologies[] = {
@@ -91,7 +141,7 @@ static const RheologyRow rheologies[] = {
                  RHEOLOGY_BIT(RHEOLOGY_INFINITE),
         .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
         .Nu    = RheologyNu_Carreau,
-        .Rate  = RheologyRate_Carreau,
+        .Rate  = RheologyRate_Bisect,
     },
     {
         .name     = "papanastasiou",
@@ -101,6 +151,35 @@ static const RheologyRow rheologies[] = {
         .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
         .Nu       = RheologyNu_Papanastasiou,
         .Rate     = RheologyRate_Papanastasiou,
+    },
+    {
+        .name     = "herschel_bulkley",
+        .brief    = "K g^(n-1) + tau_0/g, regularised: yields, then thins or thickens",
+        .citation = "Herschel & Bulkley, Kolloid-Z. 39 (1926)",
+        .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION) |
+                 RHEOLOGY_BIT(RHEOLOGY_CONSISTENCY) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+        .wants = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+        .Nu    = RheologyNu_HerschelBulkley,
+        .Rate  = RheologyRate_HerschelBulkley,
+    },
+    {
+        .name     = "casson",
+        .brief    = "(nu^1/2 + (tau_0/g)^1/2)^2, regularised: chocolate, blood",
+        .citation = "Casson, in Rheology of Disperse Systems (1959)",
+        .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION),
+        .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
+        .Nu       = RheologyNu_Casson,
+        .Rate     = RheologyRate_Casson,
+    },
+    {
+        .name     = "cross",
+        .brief    = "nu = nu_inf + (nu - nu_inf)/(1 + (lambda g)^(1-n))",
+        .citation = "Cross, J. Colloid Sci. 20 (1965)",
+        .takes    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT) | RHEOLOGY_BIT(RHEOLOGY_TIME) |
+                 RHEOLOGY_BIT(RHEOLOGY_INFINITE),
+        .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+        .Nu    = RheologyNu_Cross,
+        .Rate  = RheologyRate_Bisect,
     },
 };
 const Table RheologyTable = TABLE("Rheologies", rheologies);
@@ -171,7 +250,7 @@ static const OptionRow options[] = {
             .unit     = "m^2 s^(n-2)",
             .standard = "such that the viscosity at the rate U/L is -viscosity",
             POSITIVE,
-            .where = "-rheology power_law",
+            .where = "-rheology power_law and herschel_bulkley",
         },
     [PARAMETERS + RHEOLOGY_EXPONENT] =
         {
@@ -181,7 +260,7 @@ static const OptionRow options[] = {
             .unit  = "-",
             .low   = 0.05,
             .high  = 5.0,
-            .where = "-rheology power_law and carreau",
+            .where = "-rheology power_law, carreau, cross and herschel_bulkley",
         },
     [PARAMETERS + RHEOLOGY_TIME] =
         {
@@ -191,7 +270,7 @@ static const OptionRow options[] = {
             .unit     = "s",
             .standard = "L/U",
             POSITIVE,
-            .where = "-rheology carreau",
+            .where = "-rheology carreau and cross",
         },
     [PARAMETERS + RHEOLOGY_INFINITE] =
         {
@@ -201,7 +280,7 @@ static const OptionRow options[] = {
             .unit     = "m^2/s",
             .standard = "0",
             NOT_NEGATIVE,
-            .where = "-rheology carreau",
+            .where = "-rheology carreau and cross",
         },
     [PARAMETERS + RHEOLOGY_YIELD] =
         {
@@ -210,7 +289,7 @@ static const OptionRow options[] = {
             .brief = "yield stress over the density, tau_0; must be given",
             .unit  = "m^2/s^2",
             NOT_NEGATIVE,
-            .where = "-rheology papanastasiou",
+            .where = "rheologies that yield",
         },
     [PARAMETERS + RHEOLOGY_REGULARISATION] =
         {
@@ -220,7 +299,7 @@ static const OptionRow options[] = {
             .unit     = "s",
             .standard = "n^2 L/U, at least 1000 L/U",
             POSITIVE,
-            .where = "-rheology papanastasiou",
+            .where = "rheologies that yield",
         },
 };
 const OptionTable RheologyOptions = OPTIONS("Rheology", options);
@@ -263,9 +342,12 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 
   r->low  = PetscMin(slow, fast);
   r->high = PetscMax(slow, fast);
+  for (PetscInt k = -12; k <= 12; k++) /* a fluid that yields and thickens is thin between */
+    r->low = PetscMin(r->low, r->row->Nu(r, rate * PetscPowReal(10.0, k)));
   if (r->low < 1e-5 * r->nu && !(slow < fast ? slow_limited : fast_limited))
     r->low = r->nu * (slow < fast ? 0.05 : 1e-3);
-  if (r->high > 1e5 * r->nu && !(slow < fast ? fast_limited : slow_limited)) r->high = 1e3 * r->nu;
+  if (r->high > 1e5 * r->nu && !(slow < fast ? fast_limited : slow_limited))
+    r->high = PetscMax(PetscMin(slow, fast), 1e3 * r->nu);
 }
 
 /*

@@ -237,10 +237,10 @@ static PetscErrorCode SceneReadForce(Scene *scene)
   PetscFunctionBegin;
   if (scene->problem->typed) {
     PetscCall(ExpressionGet(scene->scope, &options[BODY_FORCE], n, n,
-                            EXPRESSION_PLACE | EXPRESSION_TIME, &scene->force, &given));
+                            EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS, &scene->force,
+                            &given));
     for (PetscInt a = 0; a < n; a++) force[a] = scene->force.value[a];
-    if (!ExpressionUses(&scene->force, EXPRESSION_PLACE) &&
-        !ExpressionUses(&scene->force, EXPRESSION_TIME))
+    if (!ExpressionUses(&scene->force, EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS))
       scene->force.n = 0; /* body_force holds the numbers */
   } else {
     PetscCall(OptionGetReals(&options[BODY_FORCE], n, force, &n, &given));
@@ -339,6 +339,15 @@ PetscErrorCode SceneNameConstants(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Gives expressions the scalars at the start, until a flow has them. */
+static void FieldsAtStart(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[])
+{
+  const Scene *scene = (const Scene *)ctx;
+
+  (void)t;
+  for (PetscInt k = 0; k < scene->n_scalars; k++) value[k] = ScalarAtStart(&scene->scalar[k], x);
+}
+
 /*
   SceneCreate - Reads and checks the description of the flow from options
 
@@ -394,6 +403,8 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
   }
   if (s->problem->typed) {
     PetscCall(SceneNameConstants(s));
+    PetscCall(ScalarsRead(s->scope, &s->scalar, &s->n_scalars));
+    if (s->n_scalars) ExpressionScopeFieldsAt(s->scope, FieldsAtStart, s);
     PetscCall(SceneReadTyped(s));
   }
   PetscCall(s->problem->Setup(s));
@@ -421,6 +432,7 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
 PetscErrorCode SceneDestroy(Scene **scene)
 {
   PetscFunctionBegin;
+  PetscCall(ScalarsFree(&(*scene)->scalar, (*scene)->n_scalars));
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
   PetscCall(PetscFree((*scene)->pose));
   PetscCall(PetscFree((*scene)->regime));

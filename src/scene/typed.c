@@ -190,8 +190,8 @@ static PetscErrorCode ReadFluids(Scene *scene)
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1, EXPRESSION_PLACE,
-                          &scene->nu_field, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1,
+                          EXPRESSION_PLACE | EXPRESSION_FIELDS, &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscReal *nu = &scene->region_nu[scene->n_regions];
     char       name[OPTION_LENGTH];

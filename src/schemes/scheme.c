@@ -3,6 +3,7 @@
   folder with its row at the foot of a file, and one word here.
 */
 #include "isph/schemes.h"
+#include "schemes/scalars/scalars.h"
 #include "schemes/surface/surface.h"
 
 #define SCHEMES(ROW)                                                                               \
@@ -97,6 +98,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(OpeningsCreate(flow));
   PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
+  PetscCall(ScalarsCreate(flow));
   PetscCall(s->row->Create(flow));
   PetscCall(UnevennessReport(flow));
   PetscCall(AccelerationRemember(flow));
@@ -109,6 +111,7 @@ PetscErrorCode SchemeSetUp(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(flow->scheme->row->SetUp(flow));
+  PetscCall(ScalarsSetUp(flow));
   PetscCall(SchemeChooseStep(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -122,6 +125,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscCall(AccelerationRegister(flow));
   PetscCall(BodiesRegister(flow->scene, flow->scheme));
   PetscCall(FreeBodiesCreate(flow));
+  PetscCall(ScalarsRegister(flow));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));
@@ -135,6 +139,7 @@ PetscErrorCode SchemeDestroy(Flow *flow)
   if (!flow->scheme) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(flow->scheme->row->Destroy(flow));
   PetscCall(AttemptDestroy(&flow->scheme->attempt));
+  PetscCall(ScalarsDestroy(flow));
   PetscCall(FreeBodiesDestroy(flow->scene, &flow->state->bodies));
   PetscCall(FlowStateDestroy(flow));
   PetscCall(WallValuesFree(&flow->walls));

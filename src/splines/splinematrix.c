@@ -407,13 +407,15 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   PetscReal        x[ISPH_MAX_DIM];
   Mat              all, T[2] = {NULL, NULL};
 
+  const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE};
+
   PetscFunctionBegin;
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
   PetscCall(SplinesCutFree(s));
   if (!ops->strain || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, p->dim,
-                           PETSC_TRUE, &cells));
+  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
+                           &cells));
   PetscCall(PetscArraycpy(cells->mass, ops->strain->mass, p->n_fluid));
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));

@@ -39,7 +39,8 @@ typedef struct {
   const Particles *p;
   const Neighbors *nb;
   PetscInt         degree, sets;
-  PetscBool        normal; /* walls along the axes give their normal velocity only */
+  PetscBool        normal; /* see StrainQuantity */
+  const PetscBool *gives;
   PetscInt        *foot; /* by local index: row of the velocity on the interface there; -1: none */
   StrainRows       feet; /* rows of feet, sets for each */
 } StrainFits;

@@ -401,6 +401,51 @@ static PetscErrorCode EntriesReserve(PetscInt dim, PetscInt q, PetscInt n, Strai
   PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room[q], &s->j[q]));
   for (PetscInt b = 0; b < dim; b++)
     PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->room[q], &s->g[q][b]));
+  if (s->mean) PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->room[q], &s->mean));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds a facet on a boundary that does not give the value of a scalar. */
+static PetscErrorCode BorderAdd(PetscInt dim, const StrainPoints *points, const Facet *facet,
+                                PetscReal volume, StrainBorder *border)
+{
+  const PetscInt n = border->n;
+
+  PetscFunctionBegin;
+  if (n == border->room) {
+    border->room = 2 * n + 256;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)border->room, &border->side));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)border->room, &border->row));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(border->room * dim), &border->normal));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(border->room * dim), &border->x));
+  }
+  border->side[n] = points->side[facet->point];
+  border->row[n]  = facet->point;
+  for (PetscInt a = 0; a < dim; a++) {
+    border->normal[n * dim + a] = volume * facet->normal[a];
+    border->x[n * dim + a]      = points->x[a][facet->point];
+  }
+  border->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists the parts of boundaries that do not give the value of a scalar, and keeps the rows. */
+static PetscErrorCode FindBorder(PetscInt dim, const PetscBool gives[], const StrainPoints *points,
+                                 const Facets *facets, StrainRows *rows, StrainCells *s)
+{
+  PetscFunctionBegin;
+  s->border.n = 0;
+  for (PetscInt c = 0; c < s->n; c++) {
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      const PetscInt side = points->side[facets->facet[k].point];
+
+      if (side >= 0 && !gives[side])
+        PetscCall(BorderAdd(dim, points, &facets->facet[k], s->volume[c], &s->border));
+    }
+  }
+  PetscCall(StrainRowsFree(&s->border.rows));
+  s->border.rows = *rows;
+  *rows          = (StrainRows){.n = 0};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -427,9 +472,18 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
         place[j]          = s->n_entries[q]++;
         s->j[q][place[j]] = j;
         for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] = 0.0;
+        if (s->mean) s->mean[place[j]] = 0.0;
       }
       for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] += rows->w[e] * facet->normal[b];
     }
+  }
+  for (PetscInt k = facets->first[c]; s->mean && k < facets->first[c + 1]; k++) {
+    const Facet *facet = &facets->facet[k];
+    PetscReal    share = 0.0;
+
+    for (PetscInt b = 0; b < d; b++) share += PetscAbsReal(facet->normal[b]) / area;
+    for (PetscInt e = rows->start[facet->point]; e < rows->start[facet->point + 1]; e++)
+      s->mean[place[rows->j[e]]] += share * rows->w[e];
   }
   for (PetscInt e = first; e < s->n_entries[q]; e++) place[s->j[q][e]] = -1;
   for (PetscInt k = facets->first[c]; q == 0 && k < facets->first[c + 1]; k++) {
@@ -476,23 +530,23 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
   Not collective.
 
   Input Parameters:
-+ edge   - of a cell [dx]
-. degree - of fits
-. sets   - components of the velocity with equations of their own at boundaries: 1 or dim
-- normal - walls along the axes give their normal velocity only, and sets is dim
++ edge     - of a cell [dx]
+. degree   - of fits
+- quantity - of the fits; a scalar also has the mean of each cell, and its border
 
   Input/Output: cells - NULL at first.
 */
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
-                              PetscReal edge, PetscInt degree, PetscInt sets, PetscBool normal,
+                              PetscReal edge, PetscInt degree, const StrainQuantity *quantity,
                               StrainCells **cells)
 {
   StrainFits   fits    = {.scene  = scene,
-                          .normal = normal,
+                          .normal = quantity->normal,
+                          .gives  = quantity->gives,
                           .p      = p,
                           .nb     = nb,
                           .degree = PetscMin(degree, 3),
-                          .sets   = sets};
+                          .sets   = quantity->sets};
   Corners      corners = {.fluid = NULL};
   Sides        sides   = {.side = NULL};
   Facets       facets  = {.n = 0};
@@ -502,7 +556,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscFunctionBegin;
   if (!*cells) PetscCall(PetscNew(cells));
   s       = *cells;
-  s->sets = sets;
+  s->sets = quantity->sets;
+  if (quantity->gives && !s->mean) PetscCall(PetscMalloc1(PetscMax(s->room[0], 1), &s->mean));
   if (SetBlock(scene, p, edge, &s->lattice) || (scene->n_bodies && !s->lattice.distance) ||
       scene->pose) /* bodies move */
     PetscCall(SetDistances(scene, &s->lattice));
@@ -518,6 +573,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
   PetscCall(JoinAll(p, &rows, &facets, s));
+  if (quantity->gives)
+    PetscCall(FindBorder(p->dim, quantity->gives, &sides.points, &facets, &rows, s));
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
   PetscCall(PetscFree(fits.foot));
@@ -541,6 +598,12 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->nu));
   PetscCall(PetscFree(s->fluid));
   PetscCall(PetscFree(s->mass));
+  PetscCall(PetscFree(s->mean));
+  PetscCall(PetscFree(s->border.side));
+  PetscCall(PetscFree(s->border.row));
+  PetscCall(PetscFree(s->border.normal));
+  PetscCall(PetscFree(s->border.x));
+  PetscCall(StrainRowsFree(&s->border.rows));
   PetscCall(PetscFree(s->strain));
   PetscCall(PetscFree(s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {

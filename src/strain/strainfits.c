@@ -112,6 +112,7 @@ static PetscBool GivesComponent(const StrainFits *f, PetscInt j, PetscInt c)
 {
   const PetscBool along = f->sets > 1 && PetscAbsReal(f->p->normal[c][j]) < 0.5;
 
+  if (f->gives) return f->gives[(PetscInt)f->p->side[j]];
   if (f->normal && PetscAbsReal(f->p->normal[c][j]) < 1e-6) return PETSC_FALSE;
   return BoundaryEquation(f->scene, (PetscInt)f->p->side[j],
                           along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) == EQUATION_VALUE;
@@ -264,6 +265,7 @@ static PetscBool SideGives(const StrainFits *f, PetscInt side, PetscInt c)
 {
   const PetscBool along = f->sets > 1 && side < 2 * f->p->dim && side / 2 != c;
 
+  if (f->gives) return f->gives[side];
   if (f->normal && along) return PETSC_FALSE;
   return BoundaryEquation(f->scene, side, along ? FIT_VELOCITY_TANGENTIAL : FIT_VELOCITY_NORMAL) ==
          EQUATION_VALUE;

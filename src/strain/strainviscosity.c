@@ -87,11 +87,11 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[])
 {
-  StrainCells *of[2] = {cells, NULL};
+  const StrainQuantity velocity = {.sets = cells->sets};
+  StrainCells         *of[2]    = {cells, NULL};
 
   PetscFunctionBegin;
-  PetscCall(
-      StrainAssemble(scene, p, nb, 2.0 * CELL_EDGE, degree, cells->sets, PETSC_FALSE, &of[1]));
+  PetscCall(StrainAssemble(scene, p, nb, 2.0 * CELL_EDGE, degree, &velocity, &of[1]));
   StrainViscosities(scene, p, of[1]);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(error[a], p->n_fluid));
   for (PetscInt k = 0; k < 2; k++) {

@@ -101,7 +101,13 @@ def scene_input(rng):
     if rng.random() < 0.15:
         words += ["-surface_tension", f"{10 ** rng.uniform(-3, 1):.3g}"]
     if rng.random() < 0.15:
-        words += ["-rheology", "papanastasiou", "-rheology_yield", f"{10 ** rng.uniform(-2, 2):.3g}"]
+        law = rng.choice(("papanastasiou", "casson", "herschel_bulkley"))
+        words += ["-rheology", law, "-rheology_yield", f"{10 ** rng.uniform(-2, 2):.3g}"]
+        words += ["-rheology_exponent", f"{rng.uniform(0.2, 2):.3g}"] if law == "herschel_bulkley" else []
+    if rng.random() < 0.1:
+        words += ["-scene_scalar_1_name", "T", "-scene_scalar_1_start", expression(rng), "-scene_scalar_1_diffusivity",
+                  f"{10 ** rng.uniform(-4, 2):.3g}", f"-scene_scalar_1_{rng.choice(('value', 'flux'))}",
+                  f"{rng.choice(('left', 'top', 'body_1', 'walls'))}: {number(rng)}"]
     if rng.random() < 0.3:
         words += ["-body_force", f"{number(rng)},{number(rng)}"]
     if rng.random() < 0.3:

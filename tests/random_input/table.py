@@ -47,6 +47,8 @@ class Option:
             found += ["-scene_body_1", "circle,0.5,0.5,0.2"]
         if "fluids that are given" in self.where:
             found += ["-scene_fluid_1", "circle,0.5,0.5,0.2", "-scene_fluid_1_viscosity", "0.1"]
+        if "scalars that have a name" in self.where:
+            found += ["-scene_scalar_1_name", "T", "-scene_scalar_1_diffusivity", "0.1"]
         if "with a probe" in self.where:
             found += ["-probe_point", "0.5,0.5"]
         if "not newtonian" in self.where:

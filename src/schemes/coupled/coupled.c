@@ -3,6 +3,7 @@
   in time or for a steady flow.
 */
 #include "coupled.h"
+#include "schemes/scalars/scalars.h"
 #include "schemes/stages/stages.h"
 #include "schemes/surface/surface.h"
 
@@ -179,6 +180,7 @@ static PetscErrorCode CoupledBegin(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
+  PetscCall(ScalarsBegin(flow));
   if (flow->scheme->splines) PetscCall(SplinesBegin(flow->scheme->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -219,9 +221,9 @@ static const Stage solve = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageBodies, &StageMove,  &StagePass, &StageRebuild,
-    &StageVolume,   &StageFilter, &start,      &solve,     &StageCollide,
-    &StageMean,     &StageCheck,  &StageError, NULL,
+    &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,
+    &StageVolume,   &StageScalars, &StageFilter, &start,      &solve,
+    &StageCollide,  &StageMean,    &StageCheck,  &StageError, NULL,
 };
 
 static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeBurst, &JudgeFailure, NULL};

@@ -28,7 +28,6 @@ typedef struct {
   const char  *name, *brief, *citation; /* name: the TS type */
   ViscousTerms terms;
   PetscBool    history;     /* starts from (4u^n - u^{n-1})/3, for second order */
-  PetscBool    multistep;   /* PETSc keeps earlier values, which cannot follow particles; no row */
   PetscBool    substeps;    /* estimates the error of a step from this step alone */
   PetscBool    end_of_step; /* time of the force: end of the step, otherwise its middle */
 } ViscousIntegratorRow;

@@ -12,6 +12,7 @@
 */
 #include "projection.h"
 #include "schemes/surface/surface.h"
+#include "schemes/scalars/scalars.h"
 #include "schemes/stages/stages.h"
 
 static PetscErrorCode ProjectionSetUp(Flow *flow)
@@ -51,6 +52,7 @@ static PetscErrorCode ProjectionBegin(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
+  PetscCall(ScalarsBegin(flow));
   if (pr->row) PetscCall(pr->space->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,9 +131,9 @@ static const Stage project = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageBodies, &StageMove,  &StagePass, &StageRebuild,
-    &StageVolume,   &StageFilter, &predict,    &project,   &StageCollide,
-    &StageMean,     &StageCheck,  &StageError, NULL,
+    &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,
+    &StageVolume,   &StageScalars, &StageFilter, &predict,    &project,
+    &StageCollide,  &StageMean,    &StageCheck,  &StageError, NULL,
 };
 
 static const Judge *const judges[] = {&JudgeBodies, &JudgeBurst, &JudgeFailure, NULL};

@@ -1,0 +1,88 @@
+/*
+  Scalars that the fluid carries, in any scheme. In the cells of src/strain,
+
+    V_i dc_i/dt = -sum_c V_c D_c g_i.(grad c)_c + sum_c V_c g_i.(w c)_c + V_i s_i + boundaries
+
+  with the weights g_i of particle i in the mean gradient of a cell, and the velocity w of the fluid
+  past the particles. The sum over all particles and points of walls of the first two terms is zero:
+  what boundaries give is what the fluid gains. See docs/theory.md, (496) to (499).
+*/
+#ifndef ISPH_SCHEMES_SCALARS_H
+#define ISPH_SCHEMES_SCALARS_H
+
+#include "isph/solvers.h"
+#include "isph/strain.h"
+#include "schemes/diffusion/viscosity.h"
+
+typedef struct {
+  const ScalarGiven          *given;
+  const ScalarBoundary      **law;   /* of each boundary; NULL: no flux */
+  PetscBool                  *gives; /* boundaries that give the value */
+  const ViscousIntegratorRow *row;
+  char                        prefix[24], label[32], option[32]; /* of its solver */
+  PetscReal                  *c, *before;   /* values, and those of the last step (fields) */
+  PetscReal                  *wall;         /* values at own points of walls that give them */
+  PetscReal                  *all;          /* values by local index, walls too */
+  PetscBool                   active;       /* it has a solve; else particles carry it exactly */
+  PetscBool                   is_nonlinear; /* its source depends on it */
+  char                        before_name[24], kept_name[24], entering_name[32];
+
+  StrainCells *cells;
+  Pattern      columns[2]; /* over fluid and over walls */
+  PetscReal   *entry[2];   /* of A and B [m^dim/s] */
+  PetscReal   *D;          /* of the cells [m^2/s] */
+  PetscReal   *given_rate; /* of own fluid by boundaries, without its own values [m^dim/s] */
+  PetscReal   *one;        /* of own fluid: A 1 + B 1, without exchange [m^dim/s] */
+  /* what the fluid should have, now and a step before [m^dim]; least and largest value of start and
+     boundaries so far; kept by name in the memory of the scheme */
+  PetscReal  kept[4];
+  PetscReal *entering; /* by boundary: what entered per time in the last step [m^dim/s] */
+  Mat        A, J;     /* rates [m^dim/s]; shift V - A - V ds/dc */
+  Vec        of_c, volume, source, slope, constant, work, next;
+  PetscInt   epoch, moved, numbered; /* stamps of particles in A, and in the vectors */
+  Flow      *flow;                   /* for callbacks */
+  TS         ts;
+  Guard      guard;
+  PetscReal  shift; /* in J [1/s] */
+} Scalar;
+
+struct Scalars {
+  PetscInt   n;
+  Scalar    *scalar;
+  Cells      cells;   /* of the present places, for ScalarsAt(); empty: no expression needs them */
+  PetscBool  strain;  /* a source needs the strain rate */
+  PetscReal *g;       /* strain rate of own fluid; NULL: not needed [1/s] */
+  PetscReal *flow;    /* velocity of the fluid past the particles by local index, components
+                         together; NULL: none [m/s] */
+  PetscReal  next_id; /* of particles that enter */
+};
+
+enum { KEPT_AMOUNT, KEPT_BEFORE, KEPT_LOW, KEPT_HIGH, KEPT };
+
+extern const Stage StageScalars;
+
+PetscErrorCode ScalarsCreate(Flow *flow);
+PetscErrorCode ScalarsSetUp(Flow *flow);
+PetscErrorCode ScalarsRegister(Flow *flow);
+PetscErrorCode ScalarsBegin(Flow *flow);
+PetscErrorCode ScalarsDestroy(Flow *flow);
+
+void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[]);
+
+/* scalarcells.c */
+PetscErrorCode ScalarSetWalls(const Flow *flow, PetscReal t, Scalar *s);
+PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s);
+PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], Scalar *s);
+PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s);
+PetscErrorCode ScalarFree(Scalar *s);
+
+/* scalarsolve.c */
+PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s);
+PetscErrorCode ScalarSolve(Flow *flow, Scalar *s);
+PetscErrorCode ScalarFreeVectors(Scalar *s);
+
+/* scalarbalance.c */
+PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s);
+PetscErrorCode ScalarBalanceStep(Flow *flow, PetscReal w, PetscReal dt, PetscReal made, Scalar *s);
+
+#endif
