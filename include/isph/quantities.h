@@ -4,8 +4,8 @@
 
     Dc/Dt = div (D grad c) + s
 
-  with a value, a flux or an exchange at each boundary. Parts of the description may depend on place,
-  time and all scalars.
+  with a value, a flux or an exchange at each boundary. Parts of the description may depend on
+  place, time and all scalars.
 */
 #ifndef ISPH_QUANTITIES_H
 #define ISPH_QUANTITIES_H

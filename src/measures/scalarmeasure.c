@@ -38,8 +38,8 @@ static PetscErrorCode MeasureError(const Flow *flow, const Scalar *s, Report *re
 }
 
 /*
-  ScalarsMeasure - Adds the scalars to the report: of each its mean, least and largest value, its error
-  against the reference solution, and what enters per time through boundaries with a law
+  ScalarsMeasure - Adds the scalars to the report: of each its mean, least and largest value, its
+  error against the reference solution, and what enters per time through boundaries with a law
 
   Collective.
 */

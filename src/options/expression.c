@@ -455,8 +455,8 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
 }
 
 /*
-  ExpressionOf - Returns component c at a position and time for given values of the fields and of the
-  strain rate g, as ExpressionValue(); not collective
+  ExpressionOf - Returns component c at a position and time for given values of the fields and of
+  the strain rate g, as ExpressionValue(); not collective
 */
 PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                        const PetscReal field[], PetscReal g)

@@ -1,4 +1,4 @@
-/* Balances of a scalar: its amount against what enters and is made, its values against their bounds. */
+/* Balances of a scalar: its amount against what enters and is made, its values against bounds. */
 #include "isph/balance.h"
 #include "scalars.h"
 
@@ -23,7 +23,7 @@ static PetscBool HasBounds(const Scalar *s)
   return s->given->source.n ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Widens the range of start and boundaries by values of own fluid, by walls and by what is outside. */
+/* Widens the range of start and boundaries by values of own fluid, or of walls and outside. */
 static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
 {
   const Particles *p        = flow->particles;

@@ -133,8 +133,7 @@ static PetscReal Leaving(const Flow *flow, const Scalar *s, PetscInt q)
   return sum;
 }
 
-/* Adds the terms of the boundaries that do not give the value, at time t. Input: place - for each own
-   particle and its neighbours, see Slots(). */
+/* Adds the terms of the boundaries that do not give the value, at time t. */
 static void AddBorder(const Flow *flow, PetscReal t, Scalar *s)
 {
   const Particles    *p      = flow->particles;
@@ -240,9 +239,9 @@ static void AddReactions(const Flow *flow, Scalar *s)
   ScalarEntering - Computes what enters through each boundary per time, for the values of the end of
   the step: entering [m^dim/s times the unit of the scalar]
 
-  Collective. Where the value is given it is the reaction: minus the rate that the terms of the cells
-  would give to points of the wall. It is consistent: the sum over boundaries and sources is the gain
-  of the fluid.
+  Collective. From boundaries that give the value it is the reaction: minus the rate that the terms
+  of the cells would give to points of the wall. It is consistent: the sum over boundaries and
+  sources is the gain of the fluid.
 */
 PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s)
 {

@@ -36,8 +36,8 @@ static PetscReal FitAt(const Particles *p, const Scalar *s, const PetscReal x[],
   return b[0];
 }
 
-/* ScalarsAt - Sets the scalars at a place: those of a particle there, or fits; not collective. Input:
-   ctx - the flow; t - not used, they are the present ones */
+/* ScalarsAt - Sets the present scalars at a place: those of a particle there, or fits; not
+   collective. Input: ctx - the flow; t - not used */
 void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[])
 {
   const Flow      *flow = (const Flow *)ctx;
