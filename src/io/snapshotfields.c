@@ -207,8 +207,8 @@ static const SnapshotField fields[] = {
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 
-/* SnapshotNext - Finds field *k of the run or the next after it, and sets k to the number behind it;
-   begin with 0, the position; returns false after the last; not collective */
+/* SnapshotNext - Finds field *k of the run, or the next after it, and sets k to the number behind
+   it. The first, with k = 0, is the position. Returns false after the last; not collective */
 PetscBool SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field)
 {
   const PetscInt n       = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(fields);

@@ -169,8 +169,8 @@ static PetscErrorCode BoundViscosity(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ScalarsBegin - Computes from the fields what a finished step leaves, at the start of a run, after a
-   restart or an undone step; collective */
+/* ScalarsBegin - Computes from the fields what a finished step leaves, at the start of a run, after
+   a restart or an undone step; collective */
 PetscErrorCode ScalarsBegin(Flow *flow)
 {
   Scalars *all = flow->state->scalars;
@@ -261,7 +261,7 @@ static PetscErrorCode Extrapolate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the viscosities of the particles to those of the present scalars, and the viscous operator. */
+/* Sets the viscosities of the particles to those of the present scalars, and their operator. */
 static PetscErrorCode FollowViscosity(Flow *flow)
 {
   Scene     *scene = flow->scene;
