@@ -182,6 +182,7 @@ PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s)
   const Particles *p = flow->particles;
   const PetscReal  t = flow->clock->t + flow->clock->dt;
   PetscInt        *slot;
+  SparseRows       rows;
 
   PetscFunctionBegin;
   if (s->epoch != p->epoch || s->moved != p->moved) PetscCall(FindCells(flow, s));
@@ -199,7 +200,9 @@ PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s)
   }
   AddBorder(flow, t, s);
   PetscCall(PetscFree(slot));
-  PetscCall(PatternMatSet(&s->columns[0], s->entry[0], s->A));
+  rows = (SparseRows){
+      .n = p->n_fluid, .row = s->columns[0].row, .col = s->columns[0].col, .value = s->entry[0]};
+  PetscCall(PatternMatSet(&rows, s->A));
   s->shift = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
