@@ -131,7 +131,6 @@ static void test_moments(void **state)
     for (PetscInt a = 0; a < 2 && !body.shape->round; a++)
       CloudAssertNone("centroid", samples[k].shape,
                       PetscAbsReal(m.centroid[a] - body.centre[a]) > samples[k].close);
-    ASSERT_OK(SceneFreeShapes(&scene));
     if (k == 6) {
       const PetscReal c = 0.75, s = 0.25, big = 0.24 * PETSC_PI * 0.16,
                       small = 0.0225 * 0.24 * PETSC_PI;
@@ -144,6 +143,7 @@ static void test_moments(void **state)
       for (PetscInt a = 0; a < 3; a++)
         assert_true(PetscAbsReal(m.second[a][a] * 5.0 / m.volume / PetscSqr(body.parameter[3 + a]) -
                                  1.0) < 1e-3);
+    ASSERT_OK(SceneFreeShapes(&scene));
   }
 }
 

@@ -33,7 +33,7 @@ typedef struct {
   PetscReal   *D;          /* of the cells [m^2/s] */
   PetscReal   *given_rate; /* of own fluid by boundaries, without its own values [m^dim/s] */
   PetscReal   *one;        /* of own fluid: A 1 + B 1, without exchange [m^dim/s] */
-  /* what the fluid should have, now and a step before [m^dim]; least and largest value of start and
+  /* due amount in the fluid, now and a step before [m^dim]; least and largest value of start and
      boundaries so far; kept by name in the memory of the scheme */
   PetscReal  kept[4];
   PetscReal *entering; /* by boundary: what entered per time in the last step [m^dim/s] */
