@@ -95,7 +95,8 @@ const OptionRow *OptionFind(const char name[]);
 const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH]);
 void             OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LENGTH],
                             OptionRow *row);
-void             OptionRangeText(const OptionRow *row, char text[], size_t length);
+void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
+void OptionRangeText(const OptionRow *row, char text[], size_t length);
 
 /* Readers, collective. A bad value ends the run with one line. given may be NULL. */
 PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool *given);
@@ -191,6 +192,7 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
                              PetscInt most, unsigned allowed, Expression *e, PetscBool *given);
 Expression     ExpressionNumber(PetscReal value);
+PetscBool      ExpressionIsGiven(const Expression *e);
 PetscBool      ExpressionUses(const Expression *e, unsigned what);
 PetscReal      ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
 PetscReal      ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);

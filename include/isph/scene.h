@@ -404,35 +404,34 @@ void ScenePlaceIntoFrame(const Scene *scene, PetscReal t, PetscReal x[]);
 void ScenePlaceOutOfFrame(const Scene *scene, PetscReal t, PetscReal x[]);
 const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const PetscReal x[],
                                       PetscReal y[ISPH_MAX_DIM]);
-void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
-PetscErrorCode  ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, PetscInt place,
-                          Body *body, PetscBool *given);
-PetscErrorCode  ShapeReadPlane(Scene *scene, const OptionRow *row, Body *body, PetscBool *given);
-PetscErrorCode  ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
-const char     *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
-                        Body *body);
-void            BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
-void            BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
-const char     *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
-const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
-void            BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
-                        PetscReal arm[ISPH_MAX_DIM]);
-PetscReal       BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                             PetscReal normal[]);
-PetscReal       BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
-                                   PetscReal most, PetscReal normal[]);
-PetscReal       BodySpacing(const Scene *scene, const Body *body);
-PetscReal       SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
-                                PetscInt *side);
-PetscReal       SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
-PetscReal       SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+PetscErrorCode   ShapeRead(Scene *scene, const OptionRow *pattern, PetscInt k, PetscInt place,
+                           Body *body, PetscBool *given);
+PetscErrorCode   ShapeReadPlane(Scene *scene, const OptionRow *row, Body *body, PetscBool *given);
+PetscErrorCode   ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
+const char      *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                         Body *body);
+void             BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
+void             BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
+const char      *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
+const ShapeRow  *BodyOutline(const Scene *scene, const Body *body);
+void             BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
+                         PetscReal arm[ISPH_MAX_DIM]);
+PetscReal        BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal normal[]);
-PetscReal       SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
-Body           *SceneAddFilled(Scene *scene);
-PetscReal       SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
-PetscBool       SceneHasFreeSurface(const Scene *scene);
-void            SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                                WallPlane planes[WALL_PLANES], PetscInt *count);
+PetscReal        BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
+                                    PetscReal most, PetscReal normal[]);
+PetscReal        BodySpacing(const Scene *scene, const Body *body);
+PetscReal        SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                                 PetscInt *side);
+PetscReal        SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
+PetscReal        SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+                               PetscReal normal[]);
+PetscReal        SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
+Body            *SceneAddFilled(Scene *scene);
+PetscReal        SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
+PetscBool        SceneHasFreeSurface(const Scene *scene);
+void             SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                                 WallPlane planes[WALL_PLANES], PetscInt *count);
 PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, const PetscReal x[]);
 PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
 void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],

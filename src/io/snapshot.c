@@ -100,6 +100,7 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   char       path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
+  PetscCall(SnapshotFieldsCheck(scene));
   PetscCall(PetscNew(&s));
   s->step = -1;
   PetscCall(OptionGetFile(&options[OUTPUT], s->base));

@@ -32,6 +32,7 @@ typedef struct {
   const PetscReal *values;                                /* of a scalar of the fluid */
 } SnapshotField;
 
+PetscErrorCode SnapshotFieldsCheck(const Scene *scene);
 PetscBool      SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field);
 PetscInt       SnapshotColumns(const Flow *flow, const SnapshotField *field);
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file);

@@ -207,6 +207,22 @@ static const SnapshotField fields[] = {
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 
+/* SnapshotFieldsCheck - Refuses a scalar with the name of a field; not collective */
+PetscErrorCode SnapshotFieldsCheck(const Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_scalars; k++) {
+    for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(fields); f++) {
+      PetscBool same;
+
+      PetscCall(PetscStrcmp(fields[f].name, scene->scalar[k].name, &same));
+      UserCheck(!same, "-scene_scalar_%" PetscInt_FMT "_name %s: snapshots have this field already",
+                k + 1, fields[f].name);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SnapshotNext - Finds field *k of the run, or the next after it, and sets k to the number behind
    it. The first, with k = 0, is the position. Returns false after the last; not collective */
 PetscBool SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field)

@@ -50,18 +50,16 @@ PetscErrorCode ScalarsMeasure(const Flow *flow, Report *report)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; all && k < all->n; k++) {
-    const Scalar *s      = &all->scalar[k];
-    PetscReal     sum[2] = {0.0, 0.0}, bound[2] = {-PETSC_INFINITY, -PETSC_INFINITY};
+    const Scalar *s = &all->scalar[k];
+    PetscReal     amount[2], bound[2] = {-PETSC_INFINITY, -PETSC_INFINITY};
 
     for (PetscInt i = 0; i < p->n_fluid; i++) {
-      sum[0] += p->volume[i] * s->c[i];
-      sum[1] += p->volume[i];
       bound[0] = PetscMax(bound[0], -s->c[i]);
       bound[1] = PetscMax(bound[1], s->c[i]);
     }
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+    PetscCall(ScalarAmount(p, s->c, amount));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 2, MPIU_REAL, MPIU_MAX, p->comm));
-    PetscCall(Add(report, s, "mean", sum[0] / sum[1]));
+    PetscCall(Add(report, s, "mean", amount[0] / amount[1]));
     PetscCall(Add(report, s, "min", -bound[0]));
     PetscCall(Add(report, s, "max", bound[1]));
     PetscCall(MeasureError(flow, s, report));

@@ -393,6 +393,14 @@ Expression ExpressionNumber(PetscReal value)
   return (Expression){.n = 1, .value = {value}};
 }
 
+/* ExpressionIsGiven - Returns true if a component is not always zero; not collective */
+PetscBool ExpressionIsGiven(const Expression *e)
+{
+  for (PetscInt c = 0; c < e->n; c++)
+    if (e->uses[c] || e->value[c] != 0.0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* ExpressionUses - Returns true if any component depends on the given variables, position or time;
    not collective */
 PetscBool ExpressionUses(const Expression *e, unsigned what)

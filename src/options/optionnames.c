@@ -101,6 +101,16 @@ void OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LE
   row->name = name;
 }
 
+/* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
+   collective */
+void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
+{
+  char number[32];
+
+  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
+  OptionFill(pattern, number, name, row);
+}
+
 /*
   Returns the distance of two words of fewer than OPTION_LENGTH letters, by optimal string
   alignment: the least number of letters to insert, delete, replace or exchange with a neighbour.

@@ -82,15 +82,6 @@ static const OptionRow options[] = {
 };
 const OptionTable ScalarOptions = OPTIONS("Scalars", options);
 
-/* Sets the row of an option of scalar k. */
-static void Numbered(PetscInt option, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
-{
-  char number[16];
-
-  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
-  OptionFill(&options[option], number, name, row);
-}
-
 /* Refuses a name that is no word, or has a meaning already. */
 static PetscErrorCode CheckName(const ExpressionScope *scope, const char option[],
                                 const char name[])
@@ -119,7 +110,7 @@ static PetscErrorCode ReadNames(ExpressionScope *scope, ScalarGiven given[], Pet
     PetscBool   there;
     OptionRow   row;
 
-    Numbered(NAME, k, name, &row);
+    OptionNumber(&options[NAME], k, name, &row);
     PetscCall(OptionTyped(name, &text, &there));
     if (!there) continue;
     UserCheck(k == *n + 1 && k <= SCALARS_MOST,
@@ -142,7 +133,7 @@ static PetscErrorCode ReadLaw(ExpressionScope *scope, PetscInt k, ScalarLaw law,
   OptionRow      row;
 
   PetscFunctionBegin;
-  Numbered(VALUE + (PetscInt)law, k, name, &row);
+  OptionNumber(&options[VALUE + (PetscInt)law], k, name, &row);
   PetscCall(OptionTyped(name, &text, &there));
   if (!there) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(text, &copy));
@@ -188,7 +179,7 @@ static PetscErrorCode ReadScalar(ExpressionScope *scope, PetscInt k, ScalarGiven
     char      name[OPTION_LENGTH];
     OptionRow row;
 
-    Numbered(part[q].option, k, name, &row);
+    OptionNumber(&options[part[q].option], k, name, &row);
     PetscCall(ExpressionGet(scope, &row, 1, 1, part[q].allowed, part[q].to, NULL));
   }
   UserCheck(s->diffusivity.n == 0 || s->diffusivity.uses[0] || s->diffusivity.value[0] >= 0.0,

@@ -12,16 +12,6 @@
 #define TOO_LARGE    "%s: its outline is longer than %d dx; a shape need not reach beyond the box"
 #define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
 
-/* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
-   collective */
-void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
-{
-  char number[32];
-
-  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
-  OptionFill(pattern, number, name, row);
-}
-
 /* Reads the numbers of a shape, separated by commas. */
 static PetscErrorCode ReadNumbers(Scene *scene, const ShapeRow *shape, const char option[],
                                   const char text[], Body *body)

@@ -172,14 +172,6 @@ static PetscBool IsSteady(const Scene *scene, const Expression *e, PetscInt c)
   return first != 0.0;
 }
 
-/* Returns true if a component of an expression of t is not always zero. */
-static PetscBool IsGiven(const Expression *e)
-{
-  for (PetscInt c = 0; c < e->n; c++)
-    if (e->uses[c] || e->value[c] != 0.0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* Refuses a steady motion of a body beside particles that stay where they are: it would carry fluid
    through the surface. A motion that depends on t may be small compared with the body. */
 static PetscErrorCode CheckSurfaceMotion(const Scene *scene, const Boundary *boundary)
@@ -208,8 +200,8 @@ static PetscBool ChangesPlace(const Boundary *boundary)
 {
   const PetscBool turns = boundary->rotation.n > 1 || !boundary->body.shape->round;
 
-  return boundary->position.n || IsGiven(&boundary->velocity) ||
-         (turns && IsGiven(&boundary->rotation));
+  return boundary->position.n || ExpressionIsGiven(&boundary->velocity) ||
+         (turns && ExpressionIsGiven(&boundary->rotation));
 }
 
 /* Reads the motion of body k, or of the domain. Bodies move with particles that move; else their

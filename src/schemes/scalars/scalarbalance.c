@@ -2,8 +2,9 @@
 #include "isph/balance.h"
 #include "scalars.h"
 
-/* Computes the amount of a scalar in the fluid, and that of its size [m^dim]. */
-static PetscErrorCode Amount(const Particles *p, const PetscReal c[], PetscReal amount[2])
+/* ScalarAmount - Computes the amount of a scalar in the fluid, and the volume of the fluid [m^dim];
+   collective */
+PetscErrorCode ScalarAmount(const Particles *p, const PetscReal c[], PetscReal amount[2])
 {
   PetscFunctionBegin;
   amount[0] = amount[1] = 0.0;
@@ -59,7 +60,7 @@ PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s)
   PetscReal         amount[2];
 
   PetscFunctionBegin;
-  PetscCall(Amount(flow->particles, s->c, amount));
+  PetscCall(ScalarAmount(flow->particles, s->c, amount));
   s->kept[KEPT_AMOUNT] = s->kept[KEPT_BEFORE] = amount[0];
   s->kept[KEPT_LOW]                           = PETSC_MAX_REAL;
   s->kept[KEPT_HIGH]                          = -PETSC_MAX_REAL;
@@ -96,24 +97,24 @@ static void Note(const Flow *flow, BalanceKind kind, PetscReal value)
   Collective.
 
   Input Parameters:
-+ w    - ratio of steps in the start of the step, see ScalarSolve()
-. dt   - length of the step from this start [s]
-- made - by sources at the end of the step, per time [m^dim/s]
++ weight - of the last two values in the start of the step, see ScalarSolve()
+. dt     - length of the step from this start [s]
+- made   - by sources at the end of the step, per time [m^dim/s]
 
   Note: other integrators than that with a history add in stages, so that the amount is that of the
   step only to its order; they have no balance. Nor have flows that particles enter or leave.
 */
-PetscErrorCode ScalarBalanceStep(Flow *flow, PetscReal w, PetscReal dt, PetscReal made, Scalar *s)
+PetscErrorCode ScalarBalanceStep(Flow *flow, const PetscReal weight[2], PetscReal dt,
+                                 PetscReal made, Scalar *s)
 {
   const Particles *p    = flow->particles;
   PetscReal       *kept = s->kept, should, range, amount[2], beyond = 0.0, rate = made;
-  const PetscReal  back[2] = {PetscSqr(1.0 + w) / (1.0 + 2.0 * w), -w * w / (1.0 + 2.0 * w)};
 
   PetscFunctionBegin;
   PetscCall(Widen(flow, PETSC_FALSE, s));
-  PetscCall(Amount(p, s->c, amount));
+  PetscCall(ScalarAmount(p, s->c, amount));
   for (PetscInt side = 0; side < SceneBoundaries(flow->scene); side++) rate += s->entering[side];
-  should            = back[0] * kept[KEPT_AMOUNT] + back[1] * kept[KEPT_BEFORE] + dt * rate;
+  should            = weight[0] * kept[KEPT_AMOUNT] + weight[1] * kept[KEPT_BEFORE] + dt * rate;
   kept[KEPT_BEFORE] = kept[KEPT_AMOUNT];
   kept[KEPT_AMOUNT] = should;
   range             = kept[KEPT_HIGH] - kept[KEPT_LOW];

@@ -32,19 +32,14 @@ PetscErrorCode ScalarSetWalls(const Flow *flow, PetscReal t, Scalar *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the diffusivity at a place, for values of the scalars there. */
-static PetscReal Diffusivity(const Scalar *s, PetscReal t, const PetscReal x[],
-                             const PetscReal field[])
-{
-  return s->given->diffusivity.n ? ExpressionOf(&s->given->diffusivity, 0, t, x, field, 0.0) : 0.0;
-}
-
 /* Sets the diffusivities of the cells at time t: at their means of the scalars. */
 static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
 {
-  const Scalars *all   = flow->state->scalars;
-  const PetscInt d     = flow->scene->dim;
-  PetscReal      least = 0.0;
+  const Scalars    *all   = flow->state->scalars;
+  const Expression *given = &s->given->diffusivity;
+  const PetscInt    d     = flow->scene->dim;
+  const PetscBool   mixes = ExpressionUses(given, EXPRESSION_FIELDS);
+  PetscReal         least = 0.0;
 
   PetscFunctionBegin;
   PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->cells->n + 1), &s->D));
@@ -52,15 +47,16 @@ static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
     PetscReal x[ISPH_MAX_DIM] = {0.0}, field[SCALARS_MOST] = {0.0};
 
     for (PetscInt a = 0; a < d; a++) x[a] = s->cells->centre[a][c];
-    for (PetscInt k = 0; k < all->n; k++)
+    for (PetscInt k = 0; mixes && k < all->n; k++)
       for (PetscInt e = s->cells->first[0][c]; e < s->cells->first[0][c + 1]; e++)
         field[k] += s->cells->mean[e] * all->scalar[k].all[s->cells->j[0][e]];
-    s->D[c] = Diffusivity(s, t, x, field);
+    s->D[c] = given->n ? ExpressionOf(given, 0, t, x, field, 0.0) : 0.0;
     least   = PetscMin(least, s->D[c]);
   }
+  if (!given->n || !given->uses[0]) PetscFunctionReturn(PETSC_SUCCESS); /* a number is checked */
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPIU_MIN, flow->particles->comm));
-  UserCheck(least >= 0.0, "%s: it is %.6g in the fluid, and must not be negative",
-            s->given->diffusivity.option, (double)least);
+  UserCheck(least >= 0.0, "%s: it is %.6g in the fluid, and must not be negative", given->option,
+            (double)least);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,34 +129,49 @@ static PetscReal Leaving(const Flow *flow, const Scalar *s, PetscInt q)
   return sum;
 }
 
+/* The law of a part of the border: given - rate c enters, with the value c there [m^dim/s]. */
+typedef struct {
+  PetscReal given, rate, leaving; /* leaving: part of the rate that fluid carries out */
+} PartLaw;
+
+/* Returns the law at part q of the border, at time t. */
+static PartLaw LawAt(const Flow *flow, const Scalar *s, PetscReal t, PetscInt q)
+{
+  const StrainBorder   *border = &s->cells->border;
+  const ScalarBoundary *law    = s->law[border->side[q]];
+  const PetscInt        d      = flow->scene->dim;
+  PartLaw               part   = {.leaving = Leaving(flow, s, q)};
+  PetscReal             area   = 0.0;
+
+  for (PetscInt a = 0; a < d; a++) area += PetscSqr(border->normal[q * d + a]);
+  if (law) part.given = PetscSqrtReal(area) * ExpressionValue(&law->of, 0, t, &border->x[q * d]);
+  if (law && law->law == SCALAR_EXCHANGE) {
+    part.rate = part.given;
+    part.given *= ExpressionValue(&law->of, 1, t, &border->x[q * d]);
+  }
+  part.rate += part.leaving;
+  return part;
+}
+
 /* Adds the terms of the boundaries that do not give the value, at time t. */
 static void AddBorder(const Flow *flow, PetscReal t, Scalar *s)
 {
   const Particles    *p      = flow->particles;
   const StrainBorder *border = &s->cells->border;
-  const PetscInt      d      = p->dim;
 
   for (PetscInt q = 0; q < border->n; q++) {
-    const ScalarBoundary *law  = s->law[border->side[q]];
-    const PetscInt        row  = border->row[q];
-    PetscReal             area = 0.0, rate = 0.0, given = 0.0, leaving = Leaving(flow, s, q);
+    const PartLaw  law = LawAt(flow, s, t, q);
+    const PetscInt row = border->row[q];
 
-    for (PetscInt a = 0; a < d; a++) area += PetscSqr(border->normal[q * d + a]);
-    area = PetscSqrtReal(area);
-    if (law) given = area * ExpressionValue(&law->of, 0, t, &border->x[q * d]);
-    if (law && law->law == SCALAR_EXCHANGE) {
-      rate = given;
-      given *= ExpressionValue(&law->of, 1, t, &border->x[q * d]);
-    }
     for (PetscInt e = border->rows.start[row]; e < border->rows.start[row + 1]; e++) {
       const PetscInt i = border->rows.j[e];
 
       if (i >= p->n_fluid) continue;
-      s->given_rate[i] += given * border->rows.w[e];
-      s->one[i] -= leaving * border->rows.w[e];
+      s->given_rate[i] += law.given * border->rows.w[e];
+      s->one[i] -= law.leaving * border->rows.w[e];
       for (PetscInt f = border->rows.start[row]; f < border->rows.start[row + 1]; f++) {
         const PetscInt  j = border->rows.j[f], wall = ParticlesIsWall(p, j) ? 1 : 0;
-        const PetscReal sum = -(rate + leaving) * border->rows.w[e] * border->rows.w[f];
+        const PetscReal sum = -law.rate * border->rows.w[e] * border->rows.w[f];
         const Pattern  *col = &s->columns[wall];
         PetscInt        k;
 
@@ -250,27 +261,22 @@ PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s)
 {
   const Particles    *p      = flow->particles;
   const StrainBorder *border = &s->cells->border;
-  const PetscInt      n = SceneBoundaries(flow->scene), d = p->dim;
-  const PetscReal     t = flow->clock->t + flow->clock->dt;
+  const PetscInt      n      = SceneBoundaries(flow->scene);
+  const PetscReal     t      = flow->clock->t + flow->clock->dt;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(s->entering, n));
   AddReactions(flow, s);
   for (PetscInt q = 0; q < border->n; q++) {
-    const ScalarBoundary *law  = s->law[border->side[q]];
-    const PetscInt        row  = border->row[q];
-    PetscReal             area = 0.0, own = 0.0, value = 0.0, rate = 0.0;
+    const PartLaw  law = LawAt(flow, s, t, q);
+    const PetscInt row = border->row[q];
+    PetscReal      own = 0.0, value = 0.0;
 
-    for (PetscInt a = 0; a < d; a++) area += PetscSqr(border->normal[q * d + a]);
-    area = PetscSqrtReal(area);
     for (PetscInt e = border->rows.start[row]; e < border->rows.start[row + 1]; e++) {
       value += border->rows.w[e] * s->all[border->rows.j[e]];
       if (border->rows.j[e] < p->n_fluid) own += border->rows.w[e];
     }
-    if (law) rate = area * ExpressionValue(&law->of, 0, t, &border->x[q * d]);
-    if (law && law->law == SCALAR_EXCHANGE)
-      rate *= ExpressionValue(&law->of, 1, t, &border->x[q * d]) - value;
-    s->entering[border->side[q]] += own * (rate - Leaving(flow, s, q) * value);
+    s->entering[border->side[q]] += own * (law.given - law.rate * value);
   }
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, s->entering, (PetscMPIInt)n, MPIU_REAL, MPI_SUM, p->comm));

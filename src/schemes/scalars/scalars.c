@@ -56,12 +56,6 @@ static PetscErrorCode Refuse(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if an expression is given and may differ from zero. */
-static PetscBool IsGiven(const Expression *e)
-{
-  return e->n && (e->uses[0] || e->value[0] != 0.0) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /*
   ScalarsCreate - Creates the scalars of the scene, before operators exist
 
@@ -85,7 +79,8 @@ PetscErrorCode ScalarsCreate(Flow *flow)
     s->given = &scene->scalar[k];
     PetscCall(SetLaws(scene, s));
     s->is_nonlinear = ExpressionUses(&s->given->source, EXPRESSION_FIELDS);
-    s->active = IsGiven(&s->given->diffusivity) || IsGiven(&s->given->source) || !SceneMoves(scene);
+    s->active = ExpressionIsGiven(&s->given->diffusivity) || ExpressionIsGiven(&s->given->source) ||
+                !SceneMoves(scene);
     UserCheck(s->active || !s->given->n_boundary,
               "%s: without -scene_scalar_%" PetscInt_FMT "_diffusivity nothing enters there",
               s->given->boundary[0].of.option, k + 1);
@@ -122,6 +117,13 @@ PetscErrorCode ScalarsRegister(Flow *flow)
     Scalar *s = &all->scalar[k];
     char   *name;
 
+    for (PetscInt f = 0; f < p->n_fields; f++) {
+      PetscBool same;
+
+      PetscCall(PetscStrcmp(p->field[f].name, s->given->name, &same));
+      UserCheck(!same, "-scene_scalar_%" PetscInt_FMT "_name %s: particles have this field already",
+                k + 1, s->given->name);
+    }
     PetscCall(ParticlesRegister(p, s->given->name, 1, HALO_NONE, ENTRY_NEAREST, &s->c));
     name = s->before_name;
     (void)snprintf(name, sizeof(s->before_name), "%s_before", s->given->name);
@@ -177,6 +179,7 @@ PetscErrorCode ScalarsBegin(Flow *flow)
 
   PetscFunctionBegin;
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
+  all->next_id = flow->particles->next_id;
   PetscCall(FindPlaces(flow));
   for (PetscInt k = 0; k < all->n; k++) {
     PetscCall(ScalarSetWalls(flow, flow->clock->t, &all->scalar[k]));
@@ -192,11 +195,11 @@ static void EnterParticles(const Flow *flow)
   const Particles *p   = flow->particles;
   Scalars         *all = flow->state->scalars;
 
-  for (PetscInt i = 0; i < p->n_fluid && all->next_id > 0.0; i++) {
+  for (PetscInt i = 0; i < p->n_fluid && p->next_id > all->next_id; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0};
     PetscInt  side;
 
-    if ((PetscReal)p->id[i] < all->next_id) continue;
+    if (p->id[i] < all->next_id) continue;
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     (void)SceneDistanceTo(flow->scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW, x, &side);
     for (PetscInt k = 0; side >= 0 && k < all->n; k++) {
@@ -207,7 +210,7 @@ static void EnterParticles(const Flow *flow)
       if (s->active) s->before[i] = s->c[i];
     }
   }
-  all->next_id = (PetscReal)p->next_id;
+  all->next_id = p->next_id;
 }
 
 /* Computes the velocity past fixed particles, and the strain rate, at the end of the step. */
@@ -290,7 +293,7 @@ static PetscErrorCode ScalarsStep(Flow *flow)
   Scalars *all = flow->state->scalars;
 
   PetscFunctionBegin;
-  PetscCall(FindPlaces(flow));
+  if (SceneMoves(flow->scene)) PetscCall(FindPlaces(flow));
   EnterParticles(flow);
   PetscCall(SetFlow(flow));
   PetscCall(Extrapolate(flow));

@@ -38,7 +38,7 @@ typedef struct {
   PetscReal  kept[4];
   PetscReal *entering; /* by boundary: what entered per time in the last step [m^dim/s] */
   Mat        A, J;     /* rates [m^dim/s]; shift V - A - V ds/dc */
-  Vec        of_c, volume, source, slope, constant, work, next;
+  Vec        volume, source, slope, constant, work, next;
   PetscInt   epoch, moved, numbered; /* stamps of particles in A, and in the vectors */
   Flow      *flow;                   /* for callbacks */
   TS         ts;
@@ -54,7 +54,7 @@ struct Scalars {
   PetscReal *g;       /* strain rate of own fluid; NULL: not needed [1/s] */
   PetscReal *flow;    /* velocity of the fluid past the particles by local index, components
                          together; NULL: none [m/s] */
-  PetscReal  next_id; /* of particles that enter */
+  PetscInt64 next_id; /* of particles that enter in the next step */
 };
 
 enum { KEPT_AMOUNT, KEPT_BEFORE, KEPT_LOW, KEPT_HIGH, KEPT };
@@ -83,6 +83,8 @@ PetscErrorCode ScalarFreeVectors(Scalar *s);
 
 /* scalarbalance.c */
 PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s);
-PetscErrorCode ScalarBalanceStep(Flow *flow, PetscReal w, PetscReal dt, PetscReal made, Scalar *s);
+PetscErrorCode ScalarBalanceStep(Flow *flow, const PetscReal weight[2], PetscReal dt,
+                                 PetscReal made, Scalar *s);
+PetscErrorCode ScalarAmount(const Particles *particles, const PetscReal c[], PetscReal amount[2]);
 
 #endif

@@ -171,7 +171,6 @@ static PetscErrorCode Renumber(Scalar *s)
   if (s->numbered == p->epoch && s->volume) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ScalarFreeVectors(s));
   PetscCall(TSReset(s->ts));
-  PetscCall(FluidVec(p, s->c, &s->of_c));
   for (Vec *v[] = {&s->volume, &s->source, &s->slope, &s->constant, &s->work, &s->next, NULL},
            **k  = v;
        *k; k++)
@@ -187,7 +186,6 @@ static PetscErrorCode Renumber(Scalar *s)
 PetscErrorCode ScalarFreeVectors(Scalar *s)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&s->of_c));
   PetscCall(VecDestroy(&s->volume));
   PetscCall(VecDestroy(&s->source));
   PetscCall(VecDestroy(&s->slope));
@@ -207,14 +205,10 @@ static PetscErrorCode SetConstant(Scalar *s)
 
   PetscFunctionBegin;
   if (s->flow->state->scalars->flow) {
-    PetscReal sum[2] = {0.0, 0.0};
+    PetscReal amount[2];
 
-    for (PetscInt i = 0; i < p->n_fluid; i++) {
-      sum[0] += p->volume[i] * s->c[i];
-      sum[1] += p->volume[i];
-    }
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
-    mean = sum[0] / sum[1];
+    PetscCall(ScalarAmount(p, s->c, amount));
+    mean = amount[0] / amount[1];
   }
   PetscCall(VecGetArrayWrite(s->constant, &to));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -251,7 +245,8 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   const PetscReal  w  = s->row->history ? ClockRatio(flow->clock) : 0.0;
   const PetscReal  dt = flow->clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
   PetscReal        h = dt, made = 0.0;
-  const PetscReal  back = flow->clock->t + flow->clock->dt - dt;
+  const PetscReal  begin     = flow->clock->t + flow->clock->dt - dt;
+  const PetscReal  weight[2] = {PetscSqr(1.0 + w) / (1.0 + 2.0 * w), -w * w / (1.0 + 2.0 * w)};
   PetscScalar     *next;
 
   PetscFunctionBegin;
@@ -263,12 +258,12 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   PetscCall(ClockWhere(flow->clock, s->guard.where));
   PetscCall(VecGetArrayWrite(s->next, &next));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    next[i] = (PetscSqr(1.0 + w) * s->c[i] - w * w * s->before[i]) / (1.0 + 2.0 * w);
+    next[i] = weight[0] * s->c[i] + weight[1] * s->before[i];
   PetscCall(VecRestoreArrayWrite(s->next, &next));
   s->guard.solve.iterations = 0;
   PetscCall(TSSetSolution(s->ts, s->next));
   PetscCall(TSRestartStep(s->ts));
-  PetscCall(TimeStepThrough(s->ts, s->row->name, &s->guard, back, dt, &h, &flow->scheme->failure));
+  PetscCall(TimeStepThrough(s->ts, s->row->name, &s->guard, begin, dt, &h, &flow->scheme->failure));
   PetscCall(VecGetArray(s->next, &next));
   PetscCall(PetscArraycpy(s->before, s->c, p->n_fluid));
   PetscCall(PetscArraycpy(s->c, next, p->n_fluid));
@@ -279,6 +274,6 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
     PetscCall(SetSource(s, flow->clock->t + flow->clock->dt, s->next));
     PetscCall(VecSum(s->source, &made));
   }
-  PetscCall(ScalarBalanceStep(flow, w, dt, made, s));
+  PetscCall(ScalarBalanceStep(flow, weight, dt, made, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
