@@ -216,8 +216,14 @@ static PetscErrorCode BeginNothing(Flow *flow)
 static void MakeRun(Scene *scene, Particles *p, Scheme *scheme, Clock *clock, Operators *ops,
                     Run *run)
 {
-  *run =
-      (Run){.flow = {.scene = scene, .particles = p, .scheme = scheme, .clock = clock, .ops = ops}};
+  static FlowState state;
+
+  run->flow = (Flow){.scene     = scene,
+                     .particles = p,
+                     .state     = &state,
+                     .scheme    = scheme,
+                     .clock     = clock,
+                     .ops       = ops};
   ASSERT_OK(ClockRemember(clock, &scheme->memory));
   ASSERT_OK(ReportCreate(&run->report));
   ASSERT_OK(SnapshotsCreate(scene, &run->snapshots));
