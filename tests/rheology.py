@@ -45,6 +45,11 @@ for n in (16, 24):
     assert len(first) <= SOLVES + 1 and first[-1] < 0.02 * first[-2] < 1e-3 * first[-3], first
     error = abs(late["kinetic_energy"] / steady["kinetic_energy"] - 1)
     assert error < 0.01, (n, error)
+for scheme in ("-dt 10 -t_end 40", COUPLED):  # a typed law is that of the table
+    law = [run(f"-case scene -scene_box 0,0,0.5,1 -scene_periodic x -body_force 1,0 -without convection -n 16 {scheme} {words}")[1]
+           for words in ("-rheology power_law -rheology_exponent 0.6", "-viscosity_field g^(-0.4)")]
+    error = abs(law[0]["kinetic_energy"] / law[1]["kinetic_energy"] - 1)
+    assert error < 1e-6, (scheme, error)  # the tolerance of the iteration
 text, _ = run(f"{CAVITY} -n 20 {COUPLED}")
 assert 3 < len(re.findall("Linear coupled_ solve", text)) <= SOLVES, text
 for exponent in (0.3, 4):

@@ -54,9 +54,10 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
 /* The linear stress of a rheology at a point, in Newton's iteration: see src/operators/tangent.c.
    Tensors by their components a <= c. */
 typedef struct {
-  PetscReal nu;                  /* nu_k [m^2/s] */
-  PetscReal strain[STRAIN_MOST]; /* S_k [1/s] */
-  PetscReal slope;               /* theta_k nu'(g_k)/g_k [m^2 s] */
+  PetscReal  nu;                  /* nu_k [m^2/s] */
+  PetscReal  strain[STRAIN_MOST]; /* S_k [1/s] */
+  PetscReal  slope;               /* theta_k nu'(g_k)/g_k [m^2 s] */
+  FluidPlace place;
 } StressPoint;
 
 /* The stresses at all points of this rank. */

@@ -196,9 +196,11 @@ PetscBool      ExpressionIsGiven(const Expression *e);
 PetscBool      ExpressionUses(const Expression *e, unsigned what);
 PetscReal      ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
 PetscReal      ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
-PetscReal      ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
-                            const PetscReal field[], PetscReal g);
-PetscReal      ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
-                              PetscReal tau);
+void ExpressionFields(const Expression *e, PetscReal t, const PetscReal x[], PetscReal value[]);
+void ExpressionBlame(const Expression *e, PetscInt c, PetscReal value, const char must[]);
+PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                       const PetscReal field[], PetscReal g);
+PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                         PetscReal tau);
 
 #endif

@@ -164,10 +164,15 @@ typedef enum {
 } RheologyParameter;
 #define RHEOLOGY_BIT(parameter) (1u << (parameter))
 typedef struct Rheology Rheology;
+/* A place of the fluid, with the present scalars there. */
+typedef struct {
+  PetscReal x[ISPH_MAX_DIM], field[EXPRESSION_FIELDS_MOST]; /* [m] */
+} FluidPlace;
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    takes, wants; /* RHEOLOGY_BIT()s; `wants` have no default */
-  PetscReal (*Nu)(const Rheology *rheology, PetscReal rate);     /* NULL: Newtonian [m^2/s] */
+  /* NULL: Newtonian [m^2/s] */
+  PetscReal (*Nu)(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
   PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the ideal fluid [1/s] */
 } RheologyRow;
 extern const Table RheologyTable;
@@ -176,6 +181,8 @@ struct Rheology {
   PetscReal          nu;  /* Scene.nu [m^2/s] */
   PetscReal          parameter[RHEOLOGY_PARAMETERS];
   PetscReal          low, high; /* bounds of the viscosity [m^2/s] */
+  const Expression  *typed;     /* NULL: the viscosity depends on the strain rate only [m^2/s] */
+  PetscReal          t;         /* present time [s] */
 };
 
 /* Map of the lattice along an axis, whose cells are smaller at walls: docs/theory.md, (138). */
@@ -386,8 +393,10 @@ PetscErrorCode SceneReadMotionFile(Scene *scene, PetscInt k, Boundary *boundary)
 PetscBool      SceneHasFreeBodies(const Scene *scene);
 PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
-PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
-PetscReal      RheologySlope(const Rheology *rheology, PetscReal rate);
+PetscErrorCode SceneTypeRheology(Scene *scene);
+FluidPlace     RheologyAt(const Rheology *rheology, PetscInt dim, PetscReal *const x[], PetscInt k);
+PetscReal      RheologyViscosity(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
+PetscReal      RheologySlope(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);
 PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);

@@ -85,7 +85,8 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, const
 PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const Vec walls[],
                                 StrainCells *cells);
 void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);
-PetscErrorCode StrainFollow(const Scene *scene, Particles *particles, StrainCells *cells);
+void StrainRheology(const Scene *scene, StrainCells *cells);
+PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 PetscErrorCode StrainDestroy(StrainCells **cells);

@@ -68,7 +68,8 @@ PetscErrorCode FlowStep(Flow *flow)
   Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
-  s->failure.code = PETSC_SUCCESS;
+  s->failure.code         = PETSC_SUCCESS;
+  flow->scene->rheology.t = flow->clock->t + flow->clock->dt;
   for (PetscInt k = 0; k < s->n_observers; k++) PetscCall(s->observer[k]->Begin(flow));
   for (PetscInt k = 0; k < s->n_stages && !s->failure.code;) {
     PetscCall(PetscLogStagePush(s->stage_log[k]));

@@ -123,7 +123,14 @@ PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++) {
     nu[k] = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
-    if (!SceneIsNewtonian(scene)) nu[k] = RheologyViscosity(&scene->rheology, rate[k]);
+    if (!SceneIsNewtonian(scene)) {
+      PetscReal  y[ISPH_MAX_DIM] = {0.0};
+      FluidPlace at;
+
+      for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[k * scene->dim + a];
+      at    = RheologyAt(&scene->rheology, scene->dim, (PetscReal *const[]){y, y + 1, y + 2}, 0);
+      nu[k] = RheologyViscosity(&scene->rheology, &at, rate[k]);
+    }
   }
   if (SceneIsNewtonian(scene) && flow->particles->nu) PetscCall(ProbeViscosity(flow, n, x, nu));
   PetscFunctionReturn(PETSC_SUCCESS);

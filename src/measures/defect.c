@@ -40,12 +40,13 @@ static PetscBool HasSound(const Flow *flow)
 
 /* Returns the slope of the stress over the strain rate, d(nu g)/dg, by which the stress follows an
    error of the velocity [m^2/s]. */
-static PetscReal TangentViscosity(const Rheology *rheology, PetscReal rate)
+static PetscReal TangentViscosity(const Rheology *rheology, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal low = (1.0 - TANGENT) * rate, high = (1.0 + TANGENT) * rate;
 
-  if (!(rate > 0.0)) return RheologyViscosity(rheology, rate);
-  return (high * RheologyViscosity(rheology, high) - low * RheologyViscosity(rheology, low)) /
+  if (!(rate > 0.0)) return RheologyViscosity(rheology, at, rate);
+  return (high * RheologyViscosity(rheology, at, high) -
+          low * RheologyViscosity(rheology, at, low)) /
          (high - low);
 }
 
@@ -65,8 +66,10 @@ static void SetStress(const Flow *flow, PetscInt i, const PetscReal A[], PetscBo
     own = p->nu ? p->nu[i] : scene->nu;
     *nu = own;
     if (!SceneIsNewtonian(scene)) {
-      own = RheologyViscosity(&scene->rheology, rate);
-      *nu = TangentViscosity(&scene->rheology, rate);
+      const FluidPlace at = RheologyAt(&scene->rheology, dim, p->x, i);
+
+      own = RheologyViscosity(&scene->rheology, &at, rate);
+      *nu = TangentViscosity(&scene->rheology, &at, rate);
     }
   }
   for (PetscInt a = 0; a < dim; a++) {

@@ -182,7 +182,7 @@ static PetscErrorCode LayerThickness(const Flow *flow, Resolution *resolution)
   PetscCall(OperatorsStrainRate(flow->ops, p, flow->state->u, flow->walls.u, rate));
   PetscCall(ParticlesHaloField(p, rate));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal tau = RheologyViscosity(r, rate[i]) * rate[i];
+    const PetscReal tau = RheologyViscosity(r, NULL, rate[i]) * rate[i];
     const PetscReal w   = ParticlesWeight(p, i) * tau * rate[i];
 
     if (!(rate[i] > 0.0)) continue;

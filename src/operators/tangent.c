@@ -97,13 +97,17 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
   PetscFunctionBegin;
   if (ops->strain) {
     PetscCall(StrainOfVelocity(p, u, walls->u, ops->strain));
-    PetscCall(StrainFollow(scene, p, ops->strain));
+    StrainRheology(scene, ops->strain);
+    PetscCall(StrainSpread(p, ops->strain));
     PetscCall(OperatorsScaleViscosity(scene, p, ops));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(OperatorsStrainRate(ops, p, u, walls->u, p->nu));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    p->nu[i] = RheologyViscosity(&scene->rheology, p->nu[i]);
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const FluidPlace at = RheologyAt(&scene->rheology, p->dim, p->x, i);
+
+    p->nu[i] = RheologyViscosity(&scene->rheology, &at, p->nu[i]);
+  }
   PetscCall(ParticlesHaloField(p, p->nu));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -129,7 +133,11 @@ PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
   t->n     = ops->strain ? ops->strain->n : p->n_fluid;
   PetscCall(PetscCalloc3(t->n, &t->point, ParticlesAll(p) * p->dim, &t->u,
                          PetscMax(t->n, ParticlesAll(p)), &t->change));
-  for (PetscInt i = 0; i < t->n; i++) t->point[i].nu = ops->strain ? ops->strain->nu[i] : p->nu[i];
+  for (PetscInt i = 0; i < t->n; i++) {
+    t->point[i].nu = ops->strain ? ops->strain->nu[i] : p->nu[i];
+    t->point[i].place =
+        RheologyAt(&scene->rheology, p->dim, ops->strain ? ops->strain->centre : p->x, i);
+  }
   *tangent = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -179,14 +187,14 @@ static void StressFollow(const Rheology *law, PetscInt dim, const PetscReal S[],
 {
   const PetscInt  parts  = dim * (dim + 1) / 2;
   const PetscReal square = HalfProduct(dim, S, S), rate = PetscSqrtReal(square);
-  const PetscReal nu = RheologyViscosity(law, rate), *old = at->strain;
+  const PetscReal nu = RheologyViscosity(law, &at->place, rate), *old = at->strain;
   const PetscReal d = at->slope * (HalfProduct(dim, old, S) - HalfProduct(dim, old, old));
   PetscReal       error[STRAIN_MOST], theta = 1.0;
 
   for (PetscInt e = 0; e < parts; e++) error[e] = at->nu * S[e] + d * old[e] - nu * S[e];
   sum[0] += HalfProduct(dim, error, error);
   sum[1] += PetscSqr(nu) * square;
-  at->slope = rate > 0.0 ? RheologySlope(law, rate) / rate : 0.0;
+  at->slope = rate > 0.0 ? RheologySlope(law, &at->place, rate) / rate : 0.0;
   if (at->slope < 0.0) theta = 1.0 + HalfProduct(dim, error, S) / (nu * square);
   at->slope *= PetscMin(PetscMax(theta, 0.0), 1.0);
   at->nu = nu;
@@ -205,7 +213,7 @@ static PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S
   for (PetscInt e = 0; e < parts; e++) change[e] = S[e] - old[e];
   for (PetscInt e = 0; e < parts; e++) at[e] = old[e] + share * change[e];
   d  = point->slope * HalfProduct(dim, old, change);
-  nu = RheologyViscosity(law, PetscSqrtReal(HalfProduct(dim, at, at)));
+  nu = RheologyViscosity(law, &point->place, PetscSqrtReal(HalfProduct(dim, at, at)));
   for (PetscInt e = 0; e < parts; e++) error[e] = nu * at[e] - point->nu * S[e] - d * old[e];
   return HalfProduct(dim, error, change);
 }
@@ -261,7 +269,8 @@ PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *
   PetscCall(StrainAtPoints(t, u, walls->u, S));
   for (PetscInt i = 0; i < t->n; i++) {
     StressFollow(&t->scene->rheology, dim, &S[i * parts], &t->point[i], sum);
-    if (!t->ops->strain) t->p->nu[i] = t->point[i].nu;
+    if (t->ops->strain) t->ops->strain->nu[i] = t->point[i].nu;
+    else t->p->nu[i] = t->point[i].nu;
   }
   PetscCall(PetscFree(S));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
@@ -269,7 +278,7 @@ PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *
   t->stress = PetscSqrtReal(sum[1] / PetscMax(sum[2], 1.0));
   for (PetscInt c = 0; c < dim; c++) PetscCall(LocalValues(p, u[c], walls->u[c], dim, t->u + c));
   PetscCall(ParticlesHaloVectors(p, t->u));
-  if (t->ops->strain) PetscCall(StrainFollow(t->scene, t->p, t->ops->strain));
+  if (t->ops->strain) PetscCall(StrainSpread(t->p, t->ops->strain));
   else PetscCall(ParticlesHaloField(p, t->p->nu));
   PetscCall(OperatorsScaleViscosity(t->scene, p, t->ops));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -426,7 +426,7 @@ PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const Pe
   if (e->uses[c] & EXPRESSION_FIELDS && scope->fields && x) {
     PetscReal value[EXPRESSION_FIELDS_MOST];
 
-    scope->fields(scope->ctx, t, x, value); /* may evaluate other expressions */
+    ExpressionFields(e, t, x, value); /* may evaluate other expressions */
     for (PetscInt k = 0; k < scope->n_fields; k++) scope->field[k] = value[k];
   }
   for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
@@ -460,6 +460,26 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
     }
   }
   return 0.0;
+}
+
+/* ExpressionBlame - Records for ExpressionScopeCheck() that the last value of component c is not
+   allowed; not collective. Input: must - the condition, as "must be positive" */
+void ExpressionBlame(const Expression *e, PetscInt c, PetscReal value, const char must[])
+{
+  ExpressionScope *scope = e->scope;
+  char             text[301];
+
+  if (!scope || scope->fault[0]) return;
+  ParserText(e->parser[c], text, sizeof(text));
+  (void)snprintf(scope->fault, sizeof(scope->fault),
+                 "%s '%s': it is %.6g at x = %.6g, y = %.6g, t = %.6g, and %s", e->option, text,
+                 (double)value, scope->x[0], scope->x[1], scope->t, must);
+}
+
+/* ExpressionFields - Computes the present fields at a place and time; not collective */
+void ExpressionFields(const Expression *e, PetscReal t, const PetscReal x[], PetscReal value[])
+{
+  if (e->scope && e->scope->fields) e->scope->fields(e->scope->ctx, t, x, value);
 }
 
 /*

@@ -250,8 +250,13 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
   PetscReal      sum     = 0.0;
   PetscInt       n       = 0;
 
-  if (!SceneIsNewtonian(scene))
-    return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
+  if (!SceneIsNewtonian(scene)) {
+    PetscReal        y[] = {x[0], x[1], scene->dim > 2 ? x[2] : 0.0};
+    const FluidPlace here =
+        RheologyAt(&scene->rheology, scene->dim, (PetscReal *const[]){y, y + 1, y + 2}, 0);
+
+    return RheologyViscosity(&scene->rheology, &here, scene->speed / scene->length);
+  }
   if (!InterfaceCuts(scene, x)) return SceneViscosityAt(scene, x);
   for (PetscInt s = 0; s < samples; s++) {
     PetscReal y[ISPH_MAX_DIM];

@@ -11,7 +11,7 @@
 /* ---- nu(g) [m^2/s] and its limits ---- */
 
 /* Returns nu = K g^(n-1) at the strain rate g, with consistency K and exponent n. */
-static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_PowerLaw(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   return r->parameter[RHEOLOGY_CONSISTENCY] *
          PetscPowReal(rate, r->parameter[RHEOLOGY_EXPONENT] - 1.0);
@@ -19,7 +19,7 @@ static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
 
 /* Returns nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2) at the strain rate g, with
    nu_0 = Scene.nu, time lambda and exponent n. */
-static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_Carreau(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE],
                   square   = PetscSqr(r->parameter[RHEOLOGY_TIME] * rate);
@@ -30,7 +30,7 @@ static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
 
 /* Returns nu = nu_p + tau_0 (1 - exp(-m g))/g at the strain rate g, with nu_p = Scene.nu and yield
    stress tau_0; for m -> infinity it is the Bingham model. */
-static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_Papanastasiou(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
 
@@ -40,7 +40,7 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 
 /* Returns nu = K (g^2 + 1/m^2)^((n-1)/2) + tau_0 (1 - exp(-m g))/g; for m -> infinity it is the
    Herschel-Bulkley model. */
-static PetscReal RheologyNu_HerschelBulkley(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_HerschelBulkley(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
   const PetscReal yields = x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x);
@@ -53,7 +53,7 @@ static PetscReal RheologyNu_HerschelBulkley(const Rheology *r, PetscReal rate)
 
 /* Returns nu = (nu_p^1/2 + (tau_0/g)^1/2 (1 - exp(-(m g)^1/2)))^2, with nu_p = Scene.nu; for m ->
    infinity it is the Casson model. */
-static PetscReal RheologyNu_Casson(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_Casson(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal root = PetscSqrtReal(r->parameter[RHEOLOGY_REGULARISATION] * rate);
   const PetscReal part = root > 1e-8 ? -expm1(-(double)root) / PetscSqrtReal(rate)
@@ -63,13 +63,22 @@ static PetscReal RheologyNu_Casson(const Rheology *r, PetscReal rate)
 }
 
 /* Returns nu = nu_inf + (nu_0 - nu_inf)/(1 + (lambda g)^(1-n)), with nu_0 = Scene.nu. */
-static PetscReal RheologyNu_Cross(const Rheology *r, PetscReal rate)
+static PetscReal RheologyNu_Cross(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE];
 
   return infinite +
          (r->nu - infinite) / (1.0 + PetscPowReal(r->parameter[RHEOLOGY_TIME] * rate,
                                                   1.0 - r->parameter[RHEOLOGY_EXPONENT]));
+}
+
+/* Returns the viscosity that -viscosity_field gives at a place, time and strain rate. */
+static PetscReal RheologyNu_Typed(const Rheology *r, const FluidPlace *at, PetscReal rate)
+{
+  const PetscReal nu = ExpressionOf(r->typed, 0, r->t, at->x, at->field, rate);
+
+  if (nu <= 0.0) ExpressionBlame(r->typed, 0, nu, "must be positive");
+  return nu;
 }
 
 /* ---- strain rate g at a shear stress tau > 0 [1/s]: of the ideal fluid, with neither bounds of
@@ -86,11 +95,11 @@ static PetscReal RheologyRate_Bisect(const Rheology *r, PetscReal tau)
 {
   PetscReal low = 0.0, high = tau / r->nu;
 
-  while (r->row->Nu(r, high) * high < tau) high *= 2.0;
+  while (r->row->Nu(r, NULL, high) * high < tau) high *= 2.0;
   for (PetscInt k = 0; k < 60; k++) {
     const PetscReal middle = 0.5 * (low + high);
 
-    if (r->row->Nu(r, middle) * middle < tau) low = middle;
+    if (r->row->Nu(r, NULL, middle) * middle < tau) low = middle;
     else high = middle;
   }
   return 0.5 * (low + high);
@@ -181,24 +190,42 @@ static const RheologyRow rheologies[] = {
         .Nu    = RheologyNu_Cross,
         .Rate  = RheologyRate_Bisect,
     },
+    {
+        .name     = "typed",
+        .brief    = "-viscosity_field at the present place, time, scalars and strain rate g",
+        .citation = "",
+        .Nu       = RheologyNu_Typed,
+    },
 };
 const Table RheologyTable = TABLE("Rheologies", rheologies);
 
-/* RheologyViscosity - Returns the kinematic viscosity at a strain rate, within its bounds [m^2/s];
-   not collective */
-PetscReal RheologyViscosity(const Rheology *r, PetscReal rate)
+/* RheologyAt - Returns point k of the given coordinates with the present fields of the fluid there,
+   if a typed viscosity depends on the place; not collective. Input: x - by axis [m] */
+FluidPlace RheologyAt(const Rheology *r, PetscInt dim, PetscReal *const x[], PetscInt k)
 {
-  return PetscMin(PetscMax(r->row->Nu(r, rate), r->low), r->high);
+  FluidPlace at = {.x = {0.0}};
+
+  for (PetscInt a = 0; a < dim && r->typed; a++) at.x[a] = x[a][k];
+  if (r->typed && ExpressionUses(r->typed, EXPRESSION_FIELDS))
+    ExpressionFields(r->typed, r->t, at.x, at.field);
+  return at;
 }
 
-/* RheologySlope - Returns dnu/dg at a strain rate g > 0, within the bounds of the viscosity, by
-   central differences over SLOPE_STEP g, whose error is of order SLOPE_STEP^2 [m^2]; not
-   collective */
-PetscReal RheologySlope(const Rheology *r, PetscReal rate)
+/* RheologyViscosity - Returns the kinematic viscosity at a place, see RheologyAt(), and a strain
+   rate, within its bounds [m^2/s]; not collective */
+PetscReal RheologyViscosity(const Rheology *r, const FluidPlace *at, PetscReal rate)
+{
+  return PetscMin(PetscMax(r->row->Nu(r, at, rate), r->low), r->high);
+}
+
+/* RheologySlope - Returns dnu/dg at a place and a strain rate g > 0, within the bounds of the
+   viscosity, by central differences over SLOPE_STEP g, whose error is of order SLOPE_STEP^2 [m^2];
+   not collective */
+PetscReal RheologySlope(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal h = SLOPE_STEP * rate;
 
-  return (RheologyViscosity(r, rate + h) - RheologyViscosity(r, rate - h)) / (2.0 * h);
+  return (RheologyViscosity(r, at, rate + h) - RheologyViscosity(r, at, rate - h)) / (2.0 * h);
 }
 
 /* SceneIsNewtonian - Returns true if the viscosity does not depend on the strain rate; not
@@ -320,11 +347,11 @@ static void RheologyDefaults(PetscReal rate, PetscInt n, Rheology *r)
    the viscosity at 1e-12 or 1e12 times the given rate. */
 static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, PetscBool *limited)
 {
-  const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
-                  near = r->row->Nu(r, rate * PetscPowReal(1e90, end));
+  const PetscReal last = r->row->Nu(r, NULL, rate * PetscPowReal(1e100, end)),
+                  near = r->row->Nu(r, NULL, rate * PetscPowReal(1e90, end));
 
   *limited = PetscAbsReal(last - near) <= 1e-3 * last;
-  return *limited ? last : r->row->Nu(r, rate * PetscPowReal(1e12, end));
+  return *limited ? last : r->row->Nu(r, NULL, rate * PetscPowReal(1e12, end));
 }
 
 /*
@@ -343,11 +370,53 @@ static void RheologyBound(PetscReal rate, Rheology *r)
   r->low  = PetscMin(slow, fast);
   r->high = PetscMax(slow, fast);
   for (PetscInt k = -12; k <= 12; k++) /* a fluid that yields and thickens is thin between */
-    r->low = PetscMin(r->low, r->row->Nu(r, rate * PetscPowReal(10.0, k)));
+    r->low = PetscMin(r->low, r->row->Nu(r, NULL, rate * PetscPowReal(10.0, k)));
   if (r->low < 1e-5 * r->nu && !(slow < fast ? slow_limited : fast_limited))
     r->low = r->nu * (slow < fast ? 0.05 : 1e-3);
   if (r->high > 1e5 * r->nu && !(slow < fast ? fast_limited : slow_limited))
     r->high = PetscMax(PetscMin(slow, fast), 1e3 * r->nu);
+}
+
+/* Reads the bounds of the viscosity over their defaults. */
+static PetscErrorCode ReadBounds(Rheology *r)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionGetReal(&options[VISCOSITY_MIN], &r->low, NULL));
+  PetscCall(OptionGetReal(&options[VISCOSITY_MAX], &r->high, NULL));
+  UserCheck(r->low <= r->high,
+            "-rheology_viscosity_min %.6g: it is more than -rheology_viscosity_max %.6g",
+            (double)r->low, (double)r->high);
+  UserCheck(
+      r->low > 0.0 && !PetscIsInfOrNanReal(r->high),
+      "-rheology %s: the viscosity lies between %.6g and %.6g m^2/s, and must be positive and "
+      "finite; change a parameter, or give -rheology_viscosity_min and _max",
+      r->row->name, (double)r->low, (double)r->high);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneTypeRheology - Lets the viscosity follow scene->nu_field, an expression that may contain
+  time, scalars and the strain rate; nu/1000 and 1000 nu bound it by default
+
+  Collective. Does nothing if -rheology is not typed, and the expression has neither t nor g.
+*/
+PetscErrorCode SceneTypeRheology(Scene *scene)
+{
+  static const PetscInt last = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(rheologies) - 1;
+  Rheology             *r    = &scene->rheology;
+  const PetscBool wanted     = ExpressionUses(&scene->nu_field, EXPRESSION_TIME | EXPRESSION_STRAIN)
+                                   ? PETSC_TRUE
+                                   : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (wanted && SceneIsNewtonian(scene)) r->row = &rheologies[last];
+  if (r->row != &rheologies[last]) PetscFunctionReturn(PETSC_SUCCESS);
+  r->typed = &scene->nu_field;
+  r->nu    = scene->nu;
+  r->low   = 1e-3 * scene->nu;
+  r->high  = 1e3 * scene->nu;
+  PetscCall(ReadBounds(r));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -369,12 +438,19 @@ PetscErrorCode SceneReadRheology(Scene *scene)
 {
   Rheology       *r    = &scene->rheology;
   const PetscReal rate = scene->speed / scene->length;
+  PetscBool       typed;
 
   PetscFunctionBegin;
   PetscCall(OptionGetRow(&options[NAME], NULL, &r->row));
   if (!r->row->Nu) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity and -rheology %s cannot both be given", r->row->name);
+  if (r->row->Nu == RheologyNu_Typed) {
+    PetscCall(OptionGiven("-viscosity_field", &typed));
+    UserCheck(typed && scene->problem->typed,
+              "-rheology typed: -case scene and -viscosity_field are required");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   r->nu = scene->nu;
   for (PetscInt pass = 0; pass < 2; pass++) { /* defaults need the exponent */
     for (PetscInt k = 0; k < RHEOLOGY_PARAMETERS; k++) {
@@ -393,15 +469,6 @@ PetscErrorCode SceneReadRheology(Scene *scene)
             "the viscosity at zero rate, %.6g, or viscosities become negative",
             (double)r->parameter[RHEOLOGY_INFINITE], (double)r->nu);
   RheologyBound(rate, r);
-  PetscCall(OptionGetReal(&options[VISCOSITY_MIN], &r->low, NULL));
-  PetscCall(OptionGetReal(&options[VISCOSITY_MAX], &r->high, NULL));
-  UserCheck(r->low <= r->high,
-            "-rheology_viscosity_min %.6g: it is more than -rheology_viscosity_max %.6g",
-            (double)r->low, (double)r->high);
-  UserCheck(
-      r->low > 0.0 && !PetscIsInfOrNanReal(r->high),
-      "-rheology %s: the viscosity lies between %.6g and %.6g m^2/s, and must be positive and "
-      "finite; change a parameter, or give -rheology_viscosity_min and _max",
-      r->row->name, (double)r->low, (double)r->high);
+  PetscCall(ReadBounds(r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -60,9 +60,11 @@ static const OptionRow options[] = {
         },
     [VISCOSITY_FIELD] =
         {
-            .name     = "-viscosity_field",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "kinematic viscosity outside the regions of other fluids, of x, y[, z]",
+            .name = "-viscosity_field",
+            .kind = VALUE_EXPRESSION,
+            .brief =
+                "kinematic viscosity outside the regions of other fluids, of x, y[, z] and the "
+                "scalars; of t and the strain rate g too, if there are no such regions",
             .unit     = "m^2/s",
             .standard = "-viscosity",
             .where    = "-case scene",
@@ -190,8 +192,10 @@ static PetscErrorCode ReadFluids(Scene *scene)
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1,
-                          EXPRESSION_PLACE | EXPRESSION_FIELDS, &scene->nu_field, NULL));
+  PetscCall(
+      ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1,
+                    EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS | EXPRESSION_STRAIN,
+                    &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscReal *nu = &scene->region_nu[scene->n_regions];
     char       name[OPTION_LENGTH];
@@ -205,11 +209,12 @@ static PetscErrorCode ReadFluids(Scene *scene)
     scene->n_regions++;
   }
   PetscCall(ShapeCheckNumbers(&options[FLUID], scene->n_regions, SCENE_MAX_FLUIDS));
-  UserCheck(
-      SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
-      "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
-      "the place, not both",
-      scene->rheology.row->name);
+  PetscCall(SceneTypeRheology(scene));
+  UserCheck(SceneIsNewtonian(scene) ||
+                (!scene->n_regions && (!scene->nu_field.n || scene->rheology.typed)),
+            "-rheology %s with -scene_fluid_1 or -viscosity_field: type the whole viscosity of one "
+            "fluid as -viscosity_field, of x, y, t, the scalars and the strain rate g",
+            scene->rheology.row->name);
   UserCheck(!SceneViscosityVaries(scene) || SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity: there are fluids of other viscosity");
   PetscFunctionReturn(PETSC_SUCCESS);

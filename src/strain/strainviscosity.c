@@ -75,6 +75,17 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
   }
 }
 
+/* StrainRheology - Sets the viscosities of the cells to those of the rheology at the present
+   strains; not collective */
+void StrainRheology(const Scene *scene, StrainCells *s)
+{
+  for (PetscInt c = 0; c < s->n; c++) {
+    const FluidPlace at = RheologyAt(&scene->rheology, s->lattice.dim, s->centre, c);
+
+    s->nu[c] = RheologyViscosity(&scene->rheology, &at, s->rate[c]);
+  }
+}
+
 /*
   StrainForceError - Estimates the error of the viscous force of the present velocity by cells twice
   as large
@@ -96,8 +107,7 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Ne
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(error[a], p->n_fluid));
   for (PetscInt k = 0; k < 2; k++) {
     PetscCall(StrainOfValues(p, p->u, of[k]));
-    for (PetscInt c = 0; c < of[k]->n && !SceneIsNewtonian(scene); c++)
-      of[k]->nu[c] = RheologyViscosity(&scene->rheology, of[k]->rate[c]);
+    if (!SceneIsNewtonian(scene)) StrainRheology(scene, of[k]);
     AddForce(p, of[k], k ? 1.0 / 3.0 : -1.0 / 3.0, error);
   }
   PetscCall(StrainDestroy(&of[1]));
@@ -150,12 +160,10 @@ void StrainViscosities(const Scene *scene, const Particles *p, StrainCells *s)
   }
 }
 
-/* StrainFollow - Sets the viscosities of the cells to those of the rheology at the present strains,
-   and those of particles to means over their cells; collective */
-PetscErrorCode StrainFollow(const Scene *scene, Particles *p, StrainCells *s)
+/* StrainSpread - Sets the viscosities of particles to means over their cells; collective */
+PetscErrorCode StrainSpread(Particles *p, const StrainCells *s)
 {
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < s->n; c++) s->nu[c] = RheologyViscosity(&scene->rheology, s->rate[c]);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal sum = 0.0, weight = 0.0;
 

@@ -145,7 +145,9 @@ PetscErrorCode ScalarsRegister(Flow *flow)
 static PetscErrorCode FindPlaces(Flow *flow)
 {
   PetscFunctionBegin;
-  if (ExpressionUses(&flow->scene->force, EXPRESSION_FIELDS))
+  if (ExpressionUses(&flow->scene->force, EXPRESSION_FIELDS) ||
+      (flow->scene->rheology.typed &&
+       ExpressionUses(flow->scene->rheology.typed, EXPRESSION_FIELDS)))
     PetscCall(CellsBuild(flow->particles, flow->particles->dx[0], &flow->state->scalars->cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -185,7 +187,12 @@ PetscErrorCode ScalarsBegin(Flow *flow)
     PetscCall(ScalarSetWalls(flow, flow->clock->t, &all->scalar[k]));
     PetscCall(ScalarValues(flow, all->scalar[k].c, &all->scalar[k]));
   }
-  if (ExpressionUses(&flow->scene->nu_field, EXPRESSION_FIELDS)) PetscCall(BoundViscosity(flow));
+  if (!ExpressionUses(&flow->scene->nu_field, EXPRESSION_FIELDS))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (SceneIsNewtonian(flow->scene)) PetscCall(BoundViscosity(flow));
+  else
+    PetscCall(OperatorsFollowStrain(flow->scene, flow->particles, &flow->walls, flow->state->u,
+                                    flow->ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -271,7 +278,8 @@ static PetscErrorCode FollowViscosity(Flow *flow)
   Particles *p     = flow->particles;
 
   PetscFunctionBegin;
-  if (!ExpressionUses(&scene->nu_field, EXPRESSION_FIELDS)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!ExpressionUses(&scene->nu_field, EXPRESSION_FIELDS) || !SceneIsNewtonian(scene))
+    PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, field[SCALARS_MOST] = {0.0};
 

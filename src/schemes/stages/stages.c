@@ -57,6 +57,7 @@ PetscErrorCode FlowBegin(Flow *flow)
   PetscFunctionBegin;
   PetscCall(Rebuild(flow));
   PetscCall(WallValuesSetVelocity(scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
+  flow->scene->rheology.t = flow->clock->t;
   if (!SceneIsNewtonian(scene)) {
     PetscCall(
         OperatorsFollowStrain(scene, flow->particles, &flow->walls, flow->state->u, flow->ops));
