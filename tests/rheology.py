@@ -46,7 +46,7 @@ for n in (16, 24):
     error = abs(late["kinetic_energy"] / steady["kinetic_energy"] - 1)
     assert error < 0.01, (n, error)
 for scheme in ("-dt 10 -t_end 40", COUPLED):  # a typed law is that of the table
-    law = [run(f"-case scene -scene_box 0,0,0.5,1 -scene_periodic x -body_force 1,0 -without convection -n 16 {scheme} {words}")[1]
+    law = [run(f"-case scene -scene_box 0,0,0.5,1 -scene_periodic x -body_force 1,0 -viscosity 1 -without convection -n 16 {scheme} {words}")[1]
            for words in ("-rheology power_law -rheology_exponent 0.6", "-viscosity_field g^(-0.4)")]
     error = abs(law[0]["kinetic_energy"] / law[1]["kinetic_energy"] - 1)
     assert error < 1e-6, (scheme, error)  # the tolerance of the iteration

@@ -128,7 +128,7 @@ PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
       FluidPlace at;
 
       for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[k * scene->dim + a];
-      at    = RheologyAt(&scene->rheology, scene->dim, (PetscReal *const[]){y, y + 1, y + 2}, 0);
+      at    = RheologyAt(scene, (PetscReal *const[]){y, y + 1, y + 2}, 0);
       nu[k] = RheologyViscosity(&scene->rheology, &at, rate[k]);
     }
   }

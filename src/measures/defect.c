@@ -66,7 +66,7 @@ static void SetStress(const Flow *flow, PetscInt i, const PetscReal A[], PetscBo
     own = p->nu ? p->nu[i] : scene->nu;
     *nu = own;
     if (!SceneIsNewtonian(scene)) {
-      const FluidPlace at = RheologyAt(&scene->rheology, dim, p->x, i);
+      const FluidPlace at = RheologyAt(scene, p->x, i);
 
       own = RheologyViscosity(&scene->rheology, &at, rate);
       *nu = TangentViscosity(&scene->rheology, &at, rate);

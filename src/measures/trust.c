@@ -19,6 +19,7 @@
 #define TRUSTED      0.05 /* largest estimated error of a velocity that can be trusted [-] */
 #define LAYER_LEAST  2.0  /* least thickness of a sheared layer [dx] */
 #define LAYER_WANTED 3.0  /* thickness that is advised [dx] */
+#define CUT          0.01 /* share of the fluid [-] */
 #define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
@@ -168,8 +169,31 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints a line if bounds cut a typed viscosity in more than CUT of the fluid. */
+static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
+{
+  const Particles *p      = flow->particles;
+  const Rheology  *r      = &flow->scene->rheology;
+  PetscReal        sum[2] = {0.0, 0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid && r->typed; i++) {
+    if (p->nu[i] <= 1.001 * r->low || p->nu[i] >= 0.999 * r->high) sum[0] += p->volume[i];
+    sum[1] += p->volume[i];
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  if (!(sum[0] > CUT * sum[1])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "viscosity cut: %.2g %% of the fluid have a viscosity outside %.3g to %.3g m^2/s; give "
+      "-rheology_viscosity_min and -rheology_viscosity_max\n",
+      100.0 * (double)(sum[0] / sum[1]), (double)r->low, (double)r->high));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  TrustView - Prints a line if the velocity of the last measurement cannot be trusted
+  TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and one if
+  bounds cut its viscosity
 
   Collective on the viewer. The error is of order dx^2, which gives the number -n of the line.
 */
@@ -179,6 +203,7 @@ PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer vie
   char         advice[256];
 
   PetscFunctionBegin;
+  PetscCall(ViewBounds(flow, viewer));
   if (trust->error <= TRUSTED) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Advise(flow, trust, advice, sizeof(advice)));
   PetscCall(PetscViewerASCIIPrintf(viewer,

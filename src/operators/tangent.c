@@ -104,7 +104,7 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
   }
   PetscCall(OperatorsStrainRate(ops, p, u, walls->u, p->nu));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const FluidPlace at = RheologyAt(&scene->rheology, p->dim, p->x, i);
+    const FluidPlace at = RheologyAt(scene, p->x, i);
 
     p->nu[i] = RheologyViscosity(&scene->rheology, &at, p->nu[i]);
   }
@@ -134,9 +134,8 @@ PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
   PetscCall(PetscCalloc3(t->n, &t->point, ParticlesAll(p) * p->dim, &t->u,
                          PetscMax(t->n, ParticlesAll(p)), &t->change));
   for (PetscInt i = 0; i < t->n; i++) {
-    t->point[i].nu = ops->strain ? ops->strain->nu[i] : p->nu[i];
-    t->point[i].place =
-        RheologyAt(&scene->rheology, p->dim, ops->strain ? ops->strain->centre : p->x, i);
+    t->point[i].nu    = ops->strain ? ops->strain->nu[i] : p->nu[i];
+    t->point[i].place = RheologyAt(scene, ops->strain ? ops->strain->centre : p->x, i);
   }
   *tangent = t;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -260,7 +259,9 @@ PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallVal
 */
 PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *walls)
 {
-  const Particles *p   = t->p;
+  const Particles *p     = t->p;
+  const Rheology  *law   = &t->scene->rheology;
+  StrainCells     *cells = t->ops->strain;
   const PetscInt   dim = p->dim, parts = dim * (dim + 1) / 2;
   PetscReal       *S, sum[3]           = {0.0, 0.0, (PetscReal)t->n};
 
@@ -268,8 +269,8 @@ PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *
   PetscCall(PetscMalloc1(t->n * parts, &S));
   PetscCall(StrainAtPoints(t, u, walls->u, S));
   for (PetscInt i = 0; i < t->n; i++) {
-    StressFollow(&t->scene->rheology, dim, &S[i * parts], &t->point[i], sum);
-    if (t->ops->strain) t->ops->strain->nu[i] = t->point[i].nu;
+    StressFollow(law, dim, &S[i * parts], &t->point[i], sum);
+    if (cells) cells->nu[i] = RheologyViscosity(law, &t->point[i].place, cells->rate[i]);
     else t->p->nu[i] = t->point[i].nu;
   }
   PetscCall(PetscFree(S));
@@ -278,7 +279,7 @@ PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *
   t->stress = PetscSqrtReal(sum[1] / PetscMax(sum[2], 1.0));
   for (PetscInt c = 0; c < dim; c++) PetscCall(LocalValues(p, u[c], walls->u[c], dim, t->u + c));
   PetscCall(ParticlesHaloVectors(p, t->u));
-  if (t->ops->strain) PetscCall(StrainSpread(t->p, t->ops->strain));
+  if (cells) PetscCall(StrainSpread(t->p, cells));
   else PetscCall(ParticlesHaloField(p, t->p->nu));
   PetscCall(OperatorsScaleViscosity(t->scene, p, t->ops));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -251,9 +251,8 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
   PetscInt       n       = 0;
 
   if (!SceneIsNewtonian(scene)) {
-    PetscReal        y[] = {x[0], x[1], scene->dim > 2 ? x[2] : 0.0};
-    const FluidPlace here =
-        RheologyAt(&scene->rheology, scene->dim, (PetscReal *const[]){y, y + 1, y + 2}, 0);
+    PetscReal        y[]  = {x[0], x[1], scene->dim > 2 ? x[2] : 0.0};
+    const FluidPlace here = RheologyAt(scene, (PetscReal *const[]){y, y + 1, y + 2}, 0);
 
     return RheologyViscosity(&scene->rheology, &here, scene->speed / scene->length);
   }

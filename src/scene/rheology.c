@@ -72,10 +72,12 @@ static PetscReal RheologyNu_Cross(const Rheology *r, const FluidPlace *at, Petsc
                                                   1.0 - r->parameter[RHEOLOGY_EXPONENT]));
 }
 
-/* Returns the viscosity that -viscosity_field gives at a place, time and strain rate. */
+/* Returns the viscosity that -viscosity_field gives at a place, time and strain rate, which is at
+   least 1e-12 U/L: many laws have no value at rest. */
 static PetscReal RheologyNu_Typed(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
-  const PetscReal nu = ExpressionOf(r->typed, 0, r->t, at->x, at->field, rate);
+  const PetscReal least = 1e-12 / r->parameter[RHEOLOGY_TIME];
+  const PetscReal nu    = ExpressionOf(r->typed, 0, r->t, at->x, at->field, PetscMax(rate, least));
 
   if (nu <= 0.0) ExpressionBlame(r->typed, 0, nu, "must be positive");
   return nu;
@@ -201,13 +203,15 @@ const Table RheologyTable = TABLE("Rheologies", rheologies);
 
 /* RheologyAt - Returns point k of the given coordinates with the present fields of the fluid there,
    if a typed viscosity depends on the place; not collective. Input: x - by axis [m] */
-FluidPlace RheologyAt(const Rheology *r, PetscInt dim, PetscReal *const x[], PetscInt k)
+FluidPlace RheologyAt(const Scene *scene, PetscReal *const x[], PetscInt k)
 {
-  FluidPlace at = {.x = {0.0}};
+  const Rheology *r  = &scene->rheology;
+  FluidPlace      at = {.x = {0.0}};
 
-  for (PetscInt a = 0; a < dim && r->typed; a++) at.x[a] = x[a][k];
+  for (PetscInt a = 0; a < scene->dim && r->typed; a++) at.x[a] = x[a][k];
   if (r->typed && ExpressionUses(r->typed, EXPRESSION_FIELDS))
     ExpressionFields(r->typed, r->t, at.x, at.field);
+  if (r->typed) SceneIntoBox(scene, at.x);
   return at;
 }
 
@@ -411,10 +415,11 @@ PetscErrorCode SceneTypeRheology(Scene *scene)
   PetscFunctionBegin;
   if (wanted && SceneIsNewtonian(scene)) r->row = &rheologies[last];
   if (r->row != &rheologies[last]) PetscFunctionReturn(PETSC_SUCCESS);
-  r->typed = &scene->nu_field;
-  r->nu    = scene->nu;
-  r->low   = 1e-3 * scene->nu;
-  r->high  = 1e3 * scene->nu;
+  r->typed                    = &scene->nu_field;
+  r->nu                       = scene->nu;
+  r->low                      = 1e-3 * scene->nu;
+  r->high                     = 1e3 * scene->nu;
+  r->parameter[RHEOLOGY_TIME] = scene->length / scene->speed;
   PetscCall(ReadBounds(r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

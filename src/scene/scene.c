@@ -190,6 +190,18 @@ static void Turn(PetscReal angle, PetscReal v[])
   v[1] = s * x + c * v[1];
 }
 
+/* SceneIntoBox - Moves a place into the box along periodic directions; not collective */
+void SceneIntoBox(const Scene *scene, PetscReal x[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal length = scene->hi[a] - scene->lo[a];
+
+    if (!SceneIsPeriodic(scene, a)) continue;
+    while (x[a] < scene->lo[a]) x[a] += length;
+    while (x[a] > scene->hi[a]) x[a] -= length;
+  }
+}
+
 /* SceneIntoFrame - Turns components along the axes of the laboratory into those along the axes of
    the frame; not collective */
 void SceneIntoFrame(const Scene *scene, PetscReal t, PetscReal v[])

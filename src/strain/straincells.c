@@ -84,25 +84,13 @@ static PetscInt CornerCount(const StrainLattice *l)
   return n;
 }
 
-/* Moves a place into the box along periodic directions. */
-static void IntoBox(const Scene *scene, PetscReal x[])
-{
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal length = scene->hi[a] - scene->lo[a];
-
-    if (!SceneIsPeriodic(scene, a)) continue;
-    while (x[a] < scene->lo[a]) x[a] += length;
-    while (x[a] > scene->hi[a]) x[a] -= length;
-  }
-}
-
 /* Computes the distance of x from the bodies, positive in the fluid [m]; body - the nearest. */
 static PetscReal BodiesDistance(const Scene *scene, const PetscReal x[], PetscInt *body)
 {
   PetscReal best = PETSC_INFINITY, y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a];
-  IntoBox(scene, y);
+  SceneIntoBox(scene, y);
   *body = -1;
   for (PetscInt s = 2 * scene->dim; s < SceneBoundaries(scene); s++) {
     const PetscReal d = BodyDistance(scene, BoundaryBody(scene, s), y, normal);

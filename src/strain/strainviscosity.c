@@ -80,7 +80,7 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
 void StrainRheology(const Scene *scene, StrainCells *s)
 {
   for (PetscInt c = 0; c < s->n; c++) {
-    const FluidPlace at = RheologyAt(&scene->rheology, s->lattice.dim, s->centre, c);
+    const FluidPlace at = RheologyAt(scene, s->centre, c);
 
     s->nu[c] = RheologyViscosity(&scene->rheology, &at, s->rate[c]);
   }
