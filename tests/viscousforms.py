@@ -92,48 +92,12 @@ def morris(cloud, correction):
     return cloud.differences(weight[..., None, None] * np.eye(cloud.d))
 
 
-def velocity_gradient(cloud, correction):
-    """Returns the matrices g[a, b] of du_a/dx_b over all velocities, columns (j, c)."""
-    count = len(cloud.W)
-    c = cloud.differences(cloud.gradients(correction))
-    g = np.zeros((cloud.d, cloud.d, count, count, cloud.d))
-    for a in range(cloud.d):
-        for b in range(cloud.d):
-            g[a, b, :, :, a] = c[:, :, b]
-    return g.reshape(cloud.d, cloud.d, count, count * cloud.d), c
-
-
-def stress(g, trace):
-    """A stress with unit viscosity, from which a multiple of the divergence is taken."""
-    return g + g.swapaxes(0, 1) - trace * np.einsum("cc...,ab->ab...", g, np.eye(len(g)))
-
-
-def two_pass(cloud, correction):
-    """Eqs (4) and (29) of Basa et al."""
-    g, c = velocity_gradient(cloud, correction)
-    count = len(c)
-    return np.einsum("ijb,abjm->iam", c, stress(g, 2 / 3)).reshape(count, cloud.d, count, cloud.d).swapaxes(1, 2)
-
-
-def energy(cloud, correction):
-    """Eqs (5), (6) and (56) to (58) of Fang et al.: the derivative of -sum V tau:grad u/2, over V. The stress has no trace
-    in cloud.d dimensions."""
-    g, c = velocity_gradient(cloud, correction)
-    count = len(c)
-    force = -np.einsum("abim,abin->mn", g, stress(g, 2 / cloud.d))
-    return force.reshape(count, cloud.d, count, cloud.d).swapaxes(1, 2)
-
-
 def expected(cloud, form, correction):
     if form in ("violeau", "cleary"):
         return radial(cloud, correction, 2 * 4.24 if form == "cleary" else 2 * (cloud.d + 2))
     if form == "morris":
         return morris(cloud, correction)
-    if form == "direct":
-        return of_hessian(cloud.seconds(correction))
-    if form == "two_pass":
-        return two_pass(cloud, correction)
-    return energy(cloud, "first_order" if form == "energy_fpm" else "none")
+    return of_hessian(cloud.seconds(correction))
 
 
 def measured(isph, n, dim, form, correction):
@@ -157,10 +121,9 @@ def measured(isph, n, dim, form, correction):
 def main():
     isph, wrong = sys.argv[1], 0
     every = "none", "shepard", "first_order", "mixed"
-    forms = {"morris": every, "violeau": every, "cleary": every[:1], "direct": every[:2],
-             "two_pass": every, "energy_sph": every[:1], "energy_fpm": every[:1], "energy_coupled": every[:1]}
+    forms = {"morris": every, "violeau": every, "cleary": every[:1], "direct": every[:2]}
     runs = [(dim, form, correction) for dim in (2, 3) for form in forms for correction in forms[form]
-            if dim == 2 or form in ("violeau", "direct", "two_pass", "energy_fpm") and correction in every[:2]]
+            if dim == 2 or form in ("violeau", "direct") and correction in every[:2]]
     for dim, form, correction in runs:
         n = 9 if dim == 2 else 6
         x, matrix = measured(isph, n, dim, form, correction)

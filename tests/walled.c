@@ -24,11 +24,8 @@ PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
   return !wall->dynamic && (!wall->on_surface || !full_support) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/*
-  Lists each wall treatment that does not extend the velocity to dummies: with every Laplacian and a
-  fixed gradient, then with a fixed Laplacian and every gradient. test_extension.c tests the other
-  treatments. Returns the number of combinations.
-*/
+/* Lists each wall treatment with every Laplacian and a fixed gradient, then with a fixed Laplacian
+   and every gradient; returns the number of combinations. */
 static PetscInt AllForms(WalledForms forms[], PetscInt most)
 {
   const LaplacianRow *some_laplacian = NULL;
@@ -42,7 +39,6 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
   for (PetscInt w = 0; w < WallTable.count; w++) {
     const WallRow *wall = WalledWall(w);
 
-    if (wall->Extend) continue;
     for (PetscInt k = 0; k < CloudScalarForms(); k++) {
       if (!WalledMeets(wall, WalledBlind(CloudLaplacian(k)->properties)) ||
           !CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT))

@@ -64,7 +64,7 @@ extern const Table CorrectionTable;
     (D S)_i = sum_j (S_j - S_i) c_ij,              c_ij = V_j grad_i W, corrected as in G
     (D S)_i = sum_j S_i c_ij - V_j/V_i S_j c_ji,   transposed: D = -V^-1 G^T V
 
-  LaplacianGradient() computes c_ij. For walls see twopassstress.c.
+  Explicit steps have such forms only; for walls see stress.c.
 */
 typedef enum { GRADIENT_SPH, GRADIENT_FIRST_ORDER, GRADIENT_COUPLED } GradientChoice;
 typedef struct {
@@ -98,13 +98,11 @@ extern const Table LaplacianTable;
 typedef struct {
   const LaplacianRow  *row;        /* NULL: not needed */
   const CorrectionRow *correction; /* NULL: none */
-  PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
-  PetscBool  continued; /* stresses of dummies are continued from the fluid: unsymmetric */
-  PetscBool  halved;    /* particles on surfaces have `share` of their volumes: unsymmetric */
-  PetscReal *factor;    /* row->Factor() by local index, times the share; NULL: none */
-  PetscReal *share;     /* of the volume of a particle, LaplacianShare(); NULL: 1 */
-  PetscReal  scale;     /* multiplies all weights; 0: 1 */
+  PetscBool  halved; /* particles on surfaces have `share` of their volumes: unsymmetric */
+  PetscReal *factor; /* row->Factor() by local index, times the share; NULL: none */
+  PetscReal *share;  /* of the volume of a particle, LaplacianShare(); NULL: 1 */
+  PetscReal  scale;  /* multiplies all weights; 0: 1 */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
@@ -112,7 +110,6 @@ PetscReal      ComposedTrace(const ComposedForm *form, PetscInt dim);
 PetscReal      LaplacianDilatation(const LaplacianForm *form, PetscInt dim);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 PetscReal      LaplacianShare(const LaplacianForm *form, PetscInt i);
-void           LaplacianGradient(const LaplacianForm *form, Stencil *stencil, PetscReal *c[]);
 PetscBool      LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction);
 
 /*
@@ -148,22 +145,11 @@ void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const St
                            const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
                            PetscReal gradient[]);
 
-/*
-  Wall treatments. A treatment with Extend gives each wall particle a velocity that all rows use,
-
-    u_w = u_wall + sum_j E_wj (u_j - u_wall),   j over fluid near the wall.
-
-  Extend writes row w of E. Without Extend, and for the divergence, Beta gives the dummy's velocity
-  in the row of each fluid particle.
-*/
-typedef struct Extension Extension;
+/* Wall treatments. Beta gives the velocity of a dummy in the row of each fluid particle. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   on_surface; /* a layer of particles on the wall, which have equations in fits */
   PetscReal (*Beta)(const Scene *scene, PetscReal distance, PetscReal depth);
-  PetscErrorCode (*Extend)(Extension *extension); /* or NULL */
-  PetscReal radii, spacings;                      /* reach of Extend: sum of [radius] and [dx] */
-  PetscErrorCode (*Check)(const Scene *scene);    /* refuses unsuitable scenes; NULL: none */
   PetscBool dynamic; /* dummies have densities of their own, which -scheme wcsph computes */
 } WallRow;
 
@@ -293,17 +279,15 @@ typedef struct {
   OperatorForms forms;
   unsigned      needs; /* bits of Need */
 
-  VelocityOperators velocity[ISPH_MAX_DIM]; /* of component c: OperatorsOfVelocity() */
-  PetscInt          n_velocity; /* 1, or dim if a boundary has equations for each component */
-  AffineOperator    ppe;        /* -dx_i^2 lap p [-]; wall data: WallValues.p */
-  Vec               ppe_scale;  /* of its rows, -dx_i^2 [m^2] */
-  AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
-  AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
-  AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
-  AffineOperator    first_pass[ISPH_MAX_DIM];  /* G_a of a composed form, of each component [1/m] */
-  AffineOperator    second_pass[ISPH_MAX_DIM]; /* D_a; not needed: that of the first pass */
-  OperatorRows      rows;
-  Concentration     concentration;
+  VelocityOperators   velocity[ISPH_MAX_DIM]; /* of component c: OperatorsOfVelocity() */
+  PetscInt            n_velocity; /* 1, or dim if a boundary has equations for each component */
+  AffineOperator      ppe;        /* -dx_i^2 lap p [-]; wall data: WallValues.p */
+  Vec                 ppe_scale;  /* of its rows, -dx_i^2 [m^2] */
+  AffineOperator      grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
+  AffineOperator      div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
+  AffineOperator      filter_p; /* residual of the fit of p [-]; wall data: p if given */
+  OperatorRows        rows;
+  Concentration       concentration;
   struct StrainCells *strain; /* of a weak form; NULL: none */
   FreeSurface        *free;   /* NULL: the fluid has no free surface */
 

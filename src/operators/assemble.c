@@ -5,7 +5,6 @@
 */
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
-#include "walls/extension.h"
 #include "fitted.h"
 #include "isph/strain.h"
 #include "rows/rows.h"
@@ -91,7 +90,6 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
     StencilSetVelocity(scene, c, st);
     PetscCall(AssembleVelocityRow(scene, p, st, diagonal, ops, &ops->velocity[c]));
   }
-  if (ops->first_pass[0].needed) AddRows_Composed(st, diagonal, ops);
   if (ops->ppe.needed) {
     PetscCall(AddRows_Pressure(scene, st, diagonal, ops));
     if (ops->needs & NEED_FREE_GRAD_P)
@@ -457,12 +455,10 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
                          &needed[k]->B));
     like[1] = needed[k]->B;
   }
-  if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
-  else if (weak) PetscCall(AssembleWeak(scene, p, nb, ops));
+  if (weak) PetscCall(AssembleWeak(scene, p, nb, ops));
   else if (ops->forms.components_coupled && ops->velocity[0].visc.needed)
     PetscCall(AssembleViscousBlock(scene, p, ops));
-  ops->rows.particles = p;
-  if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
+  ops->rows.particles   = p;
   ops->regularised_rows = 0;
   for (PetscInt l = 0; l < MLS_BATCH; l++)
     ops->regularised_rows += ops->work->batch[l]->regularised;

@@ -181,6 +181,10 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
               "varying_viscosity in -catalogue, such as mls or schwaiger",
               forms->visc.row->name);
+    UserCheck(!forms->visc.row->composed || needs & NEED_STREAMS,
+              "-visc_laplacian %s: its two passes are for the explicit steps of -scheme wcsph; use "
+              "pairwise_stress or cleary, whose forces keep momentum too",
+              forms->visc.row->name);
   }
   if (needs & NEED_PRESSURE) {
     PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, forms, &forms->ppe));
@@ -206,12 +210,6 @@ static PetscBool HasFreeTraction(const LaplacianForm *visc)
 {
   return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&
          LaplacianIs(visc, FORM_NULL_CONSTANTS);
-}
-
-/* Returns true if the form takes the stress of dummies from the fluid: docs/theory.md, (216). */
-static PetscBool ContinuesStress(const LaplacianForm *visc)
-{
-  return visc->row && visc->row->composed && visc->row->composed->transposed;
 }
 
 /* Returns true if the viscous form needs particles behind walls. With a free surface
@@ -255,13 +253,9 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
       forms->wall->name, kind, blind);
-  UserCheck(!(needs & NEED_STREAMS) || !forms->wall->Extend,
-            "-wall %s: -scheme wcsph does not extend the velocity of the fluid; use dummy_linear",
-            forms->wall->name);
   UserCheck((needs & NEED_STREAMS) || !forms->wall->dynamic,
             "-wall %s: only -scheme wcsph gives walls a density; use dummy_linear or wall_layer",
             forms->wall->name);
-  if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
   UserCheck(
@@ -292,10 +286,6 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
             "-visc_laplacian %s: a patch test has a scalar field; use a form that does not couple "
             "components",
             forms->visc.row->name);
-  UserCheck(!forms->components_coupled || !forms->wall || !forms->wall->Extend,
-            "-wall %s: it extends the velocity of the fluid, which excludes %s; use -wall %s",
-            forms->wall->name, couple ? forms->visc.row->name : "-rheology",
-            couple ? "dummy_linear" : "wall_layer or dummy_linear");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -329,8 +319,8 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
     PetscCall(OptionGetInt(&options[SURFACE_DEGREE], &forms->surface_degree, NULL));
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
                 HasFreeTraction(&forms->visc),
-            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
-            "pairwise_stress or energy_fpm",
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
+            "pairwise_stress",
             forms->visc.row->name);
   UserCheck(
       !forms->wall || !ViscousNeedsFluid(scene, &forms->visc),
@@ -410,20 +400,11 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   if (forms->wall && forms->wall->dynamic) forms->reach += forms->radius;
   if ((forms->visc.row && forms->visc.row->weak) || scene->n_scalars)
     forms->reach = PetscMax(forms->reach, StrainReach(scene));
-  if (forms->wall && forms->wall->Extend) {
-    const PetscReal reach =
-        forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);
-
-    forms->reach         = PetscMax(forms->radius, reach);
-    forms->visc.extended = PETSC_TRUE;
-  }
   UserCheck(!SceneIsGraded(scene) || !forms->wall || forms->wall->on_surface,
             "-wall %s: its particles behind the wall need a uniform lattice; with %s use -wall "
             "wall_layer and forms without full_support in -catalogue, such as mls",
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
   PetscCall(ChooseSurface(scene, needs, forms));
-  if (SceneHas(scene, PHYSICS_WALLS)) forms->visc.continued = ContinuesStress(&forms->visc);
-  PetscCall(ComposedRefuse(scene, &forms->visc));
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

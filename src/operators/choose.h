@@ -5,7 +5,6 @@
 #include "isph/operators.h"
 
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms);
-PetscErrorCode ComposedRefuse(const Scene *scene, const LaplacianForm *visc);
 
 /* library.c */
 PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library);

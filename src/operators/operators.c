@@ -26,8 +26,6 @@ void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     all[n++] = &ops->grad_p[a];
     all[n++] = &ops->div[a];
-    all[n++] = &ops->first_pass[a];
-    all[n++] = &ops->second_pass[a];
   }
 }
 
@@ -42,22 +40,20 @@ unsigned SceneNeeds(const Scene *scene)
   return needs;
 }
 
-/* Sets the form of the products of an operator and the matrices that it needs. Input: extended -
-   the wall treatment changes the operator's matrices after the assembly of rows. */
-static void ChooseProducts(Operators *ops, PetscBool extended, AffineOperator *op)
+/* Sets the form of the products of an operator and the matrices that it needs. Input: block - the
+   matrix couples components, and the products are its own. */
+static void ChooseProducts(Operators *ops, PetscBool block, AffineOperator *op)
 {
-  op->rows         = extended ? NULL : &ops->rows;
-  op->has_matrices = extended || ops->needs & NEED_MATRICES;
+  op->rows         = block ? NULL : &ops->rows;
+  op->has_matrices = block || ops->needs & NEED_MATRICES;
 }
 
 /* Marks the operators of a velocity component that the run needs. */
 static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *of)
 {
-  const PetscBool extended = ops->forms.visc.extended;
-
-  ChooseProducts(ops, extended || ops->forms.components_coupled, &of->visc);
-  ChooseProducts(ops, extended, &of->filter_u);
-  for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
+  ChooseProducts(ops, ops->forms.components_coupled, &of->visc);
+  ChooseProducts(ops, PETSC_FALSE, &of->filter_u);
+  for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, PETSC_FALSE, &of->grad_u[a]);
   of->visc.width  = LaplacianWidth(&ops->forms.visc, scene->dim);
   of->visc.needed = ops->needs & NEED_VISCOSITY && ops->forms.visc.row->Row;
   if (ops->forms.components_coupled && of != &ops->velocity[0]) of->visc.needed = PETSC_FALSE;
@@ -118,7 +114,7 @@ static void ChooseRows(const Scene *scene, Operators *ops)
 {
   const LaplacianForm *const form[] = {&ops->forms.visc, &ops->forms.ppe};
   AffineOperator            *all[OPERATORS_COUNT];
-  PetscBool                  matrices = ops->first_pass[0].needed || ops->forms.components_coupled;
+  PetscBool                  matrices = ops->forms.components_coupled;
 
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
@@ -231,7 +227,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
   ops->n_velocity = SceneSlipKind(scene) ? scene->dim : 1;
   for (PetscInt c = 0; c < ops->n_velocity; c++) NeedVelocity(scene, ops, &ops->velocity[c]);
-  ComposedNeed(scene, ops);
   ops->filter_p.needed = needs & NEED_FILTER_P ? PETSC_TRUE : PETSC_FALSE;
   ops->ppe.needed      = pressure;
   ChooseProducts(ops, PETSC_FALSE, &ops->filter_p);

@@ -29,17 +29,16 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 /*
   LaplacianIs - Returns true if the chosen Laplacian has a property
 
-  Not collective. A Laplacian with a correction of the kernel, with particles of several sizes, or
-  with an extension of the velocity or the stress to wall particles, is never symmetric: correction
-  and kernel differ from particle to particle, and the extension changes rows beside walls. It has
-  none of the properties that follow from symmetry either. With shares of volumes on free surfaces
+  Not collective. A Laplacian with a correction of the kernel, or with particles of several sizes,
+  is never symmetric: correction and kernel differ from particle to particle. It has none of the
+  properties that follow from symmetry either. With shares of volumes on free surfaces
   the matrix is symmetric in these volumes only, which is enough for its dissipation.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
-  if (form->correction || form->extended || form->graded || form->continued)
+  if (form->correction || form->graded)
     properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM | FORM_ANGULAR | FORM_DISSIPATES);
   if (form->halved) properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM);
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
@@ -84,7 +83,6 @@ PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
 */
 PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 {
-  if (form->row->composed) return 2.0 - ComposedTrace(form->row->composed, dim);
   if (form->row->weak) return 2.0;
   return 1.0 + form->row->grad_div;
 }

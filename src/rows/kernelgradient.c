@@ -168,28 +168,3 @@ void StencilGradients(Stencil *st, unsigned correction)
   KernelGradients(st, correction, st->slope);
   st->sloped = correction;
 }
-
-/*
-  LaplacianGradient - Computes the weights c_ij of the gradient of a composed form
-
-    (G u)_i,ab = sum_j c_ij,b (u_j - u_i)_a
-
-  Not collective. The correction is that of the form's gradient, otherwise that of -correction. A
-  coupled gradient is of first order at particles with a wall or a free surface in their support.
-
-  Output Parameter:
-. c - component a of neighbour k is c[a][k] [1/m]
-
-  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009) 251-271,
-  Eqs (46), (78), (81), (86)
-*/
-void LaplacianGradient(const LaplacianForm *form, Stencil *st, PetscReal *c[])
-{
-  const GradientChoice gradient   = form->row->composed->gradient;
-  unsigned             correction = form->correction ? form->correction->bit : 0;
-
-  if (gradient == GRADIENT_FIRST_ORDER ||
-      (gradient == GRADIENT_COUPLED && (st->n_wall || st->beside_surface)))
-    correction = CORRECTION_FIRST_ORDER;
-  KernelGradients(st, correction, c);
-}

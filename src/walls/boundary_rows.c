@@ -35,8 +35,7 @@ static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, P
 
   Not collective. WallWeights() converts the weights of dummies to weights of wall velocities. A
   wall particle on the surface contributes its own value, or its given n.grad f if that is its
-  equation. If the wall treatment extends the velocity to wall particles, ExtendWalls() changes the
-  matrices later.
+  equation.
 */
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)

@@ -4,7 +4,7 @@
 
 #include "isph/walls.h"
 
-#define OPERATORS_COUNT (2 + 6 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
+#define OPERATORS_COUNT (2 + 4 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
 /* Returns the weights of row i over walls, NULL without walls. */
@@ -30,9 +30,6 @@ void WeighByViscosity(const Scene *scene, const Particles *particles, const Sten
 void AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op);
 void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
-void ComposedNeed(const Scene *scene, Operators *ops);
-void AddRows_Composed(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode AssembleComposed(const Particles *particles, Operators *ops);
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                 Operators *ops);

@@ -16,7 +16,7 @@
 /* Returns true if the stencil has dummies whose velocities a factor beta extrapolates. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
-  return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend;
+  return st->n_wall && !ops->forms.wall->on_surface;
 }
 
 /* Computes the basis of the fit along the wall at neighbour k: 1, and the tangential part of its
@@ -75,7 +75,7 @@ void WallPointShares(const Operators *ops, Stencil *st)
 
   beta_v is the factor of the extrapolation, and share_w the weight of u_wall,w in the fit for
   u_wall,i. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
-  particles on the surface, or extends the velocity later (ExtendWalls()), b = w.
+  particles on the surface, b = w.
 
   Not collective.
 

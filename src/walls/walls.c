@@ -1,10 +1,9 @@
 /*
   Wall treatments: the placement of wall particles, and their values in the row of a fluid particle
   i. The velocity of wall particle w is extrapolated from particle i through the wall with a factor
-  beta (wall_points.c), or extended from the fluid near the wall (wallfits.c); the divergence always
-  uses beta. For the pressure, the wall pressure gradient is given.
+  beta (wall_points.c). For the pressure, the wall pressure gradient is given.
 */
-#include "extension.h"
+#include "isph/walls.h"
 
 /* Returns beta = 1, with which the velocity of a wall particle is not extrapolated but is its own
    value, for particles on the surface and particles with given values. */
@@ -32,32 +31,16 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 }
 
 static const WallRow walls[] = {
-    /* name, brief, citation, on the surface, beta, extend, its reach in radii and in dx, check,
-       dynamic */
+    /* name, brief, citation, on the surface, beta, dynamic */
     {"wall_layer", "a layer of particles on the wall; wall conditions are equations of the fits",
-     "Kuhnert (1999); divergence uses the normal velocity only", PETSC_TRUE, WallBeta_Own, NULL,
-     0.0, 0.0, NULL, PETSC_FALSE},
+     "Kuhnert (1999); divergence uses the normal velocity only", PETSC_TRUE, WallBeta_Own,
+     PETSC_FALSE},
     {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear, NULL, 0.0,
-     0.0, NULL, PETSC_FALSE},
-    {"mirror", "dummies have the velocity of their mirror point, reflected about the wall velocity",
-     "Basa, Quinlan & Lastiwka (2009); Marrone et al. (2011)", PETSC_FALSE, WallBeta_DummyLinear,
-     WallExtend_Mirror, 2.0, 3.0, NULL, PETSC_FALSE},
-    {"linear", "dummies on the line through the wall and the fluid nearest to it",
-     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
-     WallBeta_DummyLinear, WallExtend_Linear, 1.0, 3.0, NULL, PETSC_FALSE},
-    {"quadratic", "dummies on the parabola through the wall and the fluid nearest to it",
-     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
-     WallBeta_DummyLinear, WallExtend_Quadratic, 1.0, 4.0, NULL, PETSC_FALSE},
-    {"global_quadratic", "dummies on the parabola through both walls of a channel",
-     "Watkins et al., Astron. Astrophys. Suppl. 119 (1996)", PETSC_FALSE, WallBeta_DummyLinear,
-     WallExtend_GlobalQuadratic, 1.0, 3.0, WallCheck_Channel, PETSC_FALSE},
-    {"adami", "dummies have the mean velocity of nearby fluid, reflected about the wall velocity",
-     "Adami, Hu & Adams, J. Comput. Phys. 231 (2012)", PETSC_FALSE, WallBeta_DummyLinear,
-     WallExtend_Adami, 1.0, 0.0, NULL, PETSC_FALSE},
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear,
+     PETSC_FALSE},
     {"dynamic", "fixed dummies with densities of their own, by the equation of the fluid; wcsph",
      "Crespo et al., CMC 5 (2007); Basa, Quinlan & Lastiwka (2009)", PETSC_FALSE,
-     WallBeta_DummyLinear, NULL, 0.0, 0.0, NULL, PETSC_TRUE},
+     WallBeta_DummyLinear, PETSC_TRUE},
 };
 /* Treatment of patch tests: particles around the box have given values. */
 const WallRow WallGiven = {.name     = "given",

@@ -117,6 +117,6 @@ def scene_input(rng):
     if rng.random() < 0.3:
         words += ["-jitter", f"{rng.uniform(0, 0.5):.2g}"]
     if rng.random() < 0.3:
-        words += ["-wall", rng.choice(("dummy_linear", "mirror", "linear", "quadratic", "adami"))]
+        words += ["-wall", rng.choice(("dummy_linear", "wall_layer"))]
     return Input(["-n", rng.choice(("8", "12", "16")), "-max_steps", "2", "-progress", "none", "-report", "report.csv",
                   "-probe_forces"], words)

@@ -149,14 +149,9 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a rotation has no force in rows beside a free surface, which do not depend on the
-   stress of dummies elsewhere. */
 static PetscBool KeepsRotation(const LaplacianForm *visc)
 {
-  LaplacianForm free = *visc;
-
-  free.continued = PETSC_FALSE;
-  return LaplacianIs(&free, FORM_EXACT_LINEAR) || LaplacianIs(&free, FORM_ANGULAR);
+  return LaplacianIs(visc, FORM_EXACT_LINEAR) || LaplacianIs(visc, FORM_ANGULAR);
 }
 
 /* Prints a line if the viscous form brakes a motion without strain. */
