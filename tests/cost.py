@@ -9,7 +9,7 @@ from interpreter import python_with
 
 python_with("numpy, matplotlib, h5py")
 cost, isph = sys.argv[1:]
-ONLY = "taylor_green:moving,order:regularised,step:-n 16 -max,step:-n 8"
+ONLY = "taylor_green:moving default ,order:regularised,step:eulerian -n 16,step:eulerian -n 8"
 
 
 def call():

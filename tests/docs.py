@@ -13,8 +13,8 @@ its output; a line `...` stands for output that is left out. The commands of a p
 empty directory, which has options/, studies/ and cases/ of the source tree, and in which `isph` is the program under
 test.
 
-Short variants: with `run` each flow ends after two steps (four if it is a restart), no progress is printed, and
-tolerances (-check_...) are not tested. Programs that build, install or take hours (cmake, quickstart, check, and all
+Short variants: with `run` each flow ends after two steps (four if it is a restart), no progress is printed,
+tolerances (-check_...) are not tested, and studies vary two values. Programs that build, install or take hours (cmake, quickstart, check, and all
 studies except `plot` and `isph-study`) only have to exist. If no Python can draw, commands that draw are skipped with a
 message.
 
@@ -206,8 +206,14 @@ FULL = """#!/bin/sh
 exec @ISPH@ "$@"
 """
 
-STUDY = """#!/bin/sh
-exec python3 studies/isph-study "$@" --isph .bin/isph
+STUDY = """#!/usr/bin/env bash
+# isph-study; for a short variant with the first two values of each --vary.
+words=()
+for word in "$@"; do
+  if [ @SHORT@ ]; then word=$(sed -E 's/^([a-z_]+=[0-9]+)[.][.][0-9]+$/\\1..2/; s/^([a-z_]+=[^,]*,[^,]*),.*/\\1/' <<<"$word"); fi
+  words+=("$word")
+done
+exec python3 studies/isph-study "${words[@]}" --isph .bin/isph
 """
 
 EXISTS = """#!/bin/sh
@@ -248,7 +254,7 @@ class Place:
                 script(there, EXISTS)
             elif os.path.isfile(path):
                 shutil.copy2(path, there)
-        script(os.path.join(self.path, ".bin", "isph-study"), STUDY)
+        script(os.path.join(self.path, ".bin", "isph-study"), STUDY.replace("@SHORT@", "" if full else "short"))
         for name in "quickstart", "check":
             if os.path.exists(os.path.join(ROOT, name)):
                 script(os.path.join(self.path, name), EXISTS)

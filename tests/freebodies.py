@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""freebodies.py ISPH: bodies that move freely obey Newton's law at any density, reach the velocity at which drag and weight
+"""freebodies.py NAME ISPH: bodies that move freely obey Newton's law at any density, reach the velocity at which drag and weight
 balance, turn with half the vorticity, keep held components, and go on after a restart as if it had not been."""
 import csv
 import math
@@ -26,7 +26,7 @@ def newton(isph):
     """In the first step, of order 1, m v/dt = F - m g with the force of the report; a neutral body stays. A body without
     mass has the acceleration of the fluid that it displaces over that which moves with it, at least g rho V/(2 rho V)."""
     for scheme in ("projection", "coupled"):
-        for density in (1e-3, 0.1, 1.0, 10.0, 1e3):
+        for density in (1e-3, 1.0, 1e3):
             mass = density * math.pi * RADIUS**2
             row = report(isph, f"{FALL}-scheme {scheme} -max_steps 1 -time_order 1 -scene_body_1_density {density}")
             v = row["body_1_v"]
@@ -72,9 +72,10 @@ def contact(isph):
 
 
 def restart(isph):
-    """The second half of a run from a checkpoint is that of the whole run, bit for bit."""
-    words = FALL + "-scene_body_1_density 0.5 -scene_body_1_force 0.01*sin(9*t),0 -scene_body_1_spring 0.1,0.2 "
+    """The second half of a run from a checkpoint is that of the whole run, bit for bit, in contact with the ceiling."""
+    words = FALL + "-scene_body_1 circle,0.5,0.82,0.125 -scene_body_1_density 0.5 -scene_body_1_force 0.01*sin(9*t),0 -scene_body_1_spring 0.1,0.2 "
     whole = report(isph, words + "-max_steps 8")
+    assert whole["body_contacts"] > 0
     report(isph, words + "-max_steps 4 -checkpoint half.h5")
     half = report(isph, words + "-max_steps 8 -restart half.h5")
     for name, value in whole.items():
@@ -82,10 +83,4 @@ def restart(isph):
             assert half[name] == value, (name, value, half[name])
 
 
-def main():
-    isph = os.path.abspath(sys.argv[1])
-    for test in (newton, terminal, shear, contact, restart):
-        test(isph)
-
-
-main()
+{test.__name__: test for test in (newton, terminal, shear, contact, restart)}[sys.argv[1]](sys.argv[2])

@@ -41,19 +41,18 @@ def place(path):
 
 def read_symbols(objects):
     """Returns {file: undefined symbols} and {symbol: its file}; files are (folder, name)."""
-    used, defined = {}, {}
-    for line in Path(objects).read_text().split():
-        path = re.search(r"\.dir/((?:src|cases)/.*)\.c\.o(?:bj)?$", line)
+    used, defined, lines = {}, {}, Path(objects).read_text().split()
+    listed = subprocess.run(["nm", "-A", *lines], capture_output=True, text=True, check=True).stdout
+    for line in lines + listed.splitlines():
+        path = re.match(r"[^:]*\.dir/((?:src|cases)/[^:]*)\.c\.o(?:bj)?(?:$|:)", line)
         if not path:
             sys.exit(f"layers: {line} is no object of src/ or cases/")
-        file = place(Path(path[1]))
-        used[file] = set()
-        listed = subprocess.run(["nm", line], capture_output=True, text=True, check=True).stdout
-        for words in map(str.split, listed.splitlines()):
-            if words[-2] == "U":
-                used[file].add(words[-1])
-            elif words[-2] in "TDBRCGSi":
-                defined[words[-1]] = file
+        file, words = place(Path(path[1])), line.split()
+        used.setdefault(file, set())
+        if len(words) > 1 and words[-2].endswith("U"):
+            used[file].add(words[-1])
+        elif len(words) > 1 and words[-2] in "TDBRCGSi":
+            defined[words[-1]] = file
     return used, defined
 
 

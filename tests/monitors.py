@@ -2,7 +2,7 @@
 """Compares the files of probes, fluxes and forces with exact values for steady plane Couette flow, Poiseuille flow and
 a fluid at rest.
 
-    monitors.py COMMAND...         COMMAND starts the program, on some ranks"""
+    monitors.py COMMAND... ISPH    COMMAND starts the program ISPH on some ranks, for some of the runs"""
 import csv
 import math
 import subprocess
@@ -22,8 +22,8 @@ def value(text):
         return text
 
 
-def run(*options):
-    subprocess.run([*sys.argv[1:], *options, "-progress", "none"], check=True, stdout=subprocess.DEVNULL)
+def run(*options, alone=True):
+    subprocess.run([*sys.argv[-1 if alone else 1:], *options, "-progress", "none"], check=True, stdout=subprocess.DEVNULL)
 
 
 def last(table, **where):
@@ -39,7 +39,7 @@ def main():
     # the solver.
     steady = ["-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12"]
     run("-case", "couette", *steady, "-probe_point", "0.1,0.3,0.2,1", "-probe_line", "0.1,0,0.1,1,5",
-        "-probe_flux", "0.2,1,0.2,0", "-probe_forces")  # nu = rho = U = L = 1, length 8/16
+        "-probe_flux", "0.2,1,0.2,0", "-probe_forces", alone=False)  # nu = rho = U = L = 1, length 8/16
     point = rows("probe_point.csv")
     assert len(point) == 2 * 21 and point[0]["u"] == 0 and point[0]["p"] is None
     close(last(point, point=0)["u"], 0.3, 1e-8)
@@ -90,7 +90,7 @@ def main():
     # Half a channel, whose parabola is exact: on its plane of symmetry the fluid slides.
     run("-case", "scene", "-scene_box", "0,0,0.5,0.5", "-scene_periodic", "x", "-scene_symmetry", "top", "-body_force",
         "1,0", "-reynolds", "1", *steady, "-ppe_ksp_rtol", "1e-12", "-motion", "eulerian", "-scene_exact",
-        "y*(1-y)/(2*nu), 0, 0", "-probe_point", "0.1,0.5,0.2,0.47")
+        "y*(1-y)/(2*nu), 0, 0", "-probe_point", "0.1,0.5,0.2,0.47", alone=False)
     point = rows("probe_point.csv")
     close(last(point, point=0)["u"], 0.125, 1e-8)
     close(last(point, point=1)["u"], 0.47 * 0.53 / 2, 1e-8)
@@ -120,7 +120,8 @@ def main():
     # this velocity errs by 1.6 % (0.3 % at 10 dx), and is the same beside both cylinders.
     run("-case", "scene", "-scene_box", "-1.45,-1.45,1.45,1.45", "-scene_body_1", "circle,0.3,0,0.3", "-scene_body_1_rotation",
         "1/0.3", "-scene_domain", "circle,0,0,1", "-reynolds", "0.05", "-motion", "eulerian",
-        "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces", "-probe_bodies", "-report", "report.csv")
+        "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces", "-probe_bodies", "-report", "report.csv",
+        alone=False)
     forces, mu = rows("probe_forces.csv"), 20
     for row in rows("probe_bodies.csv")[-2:]:
         wall = last(forces, wall="body_1" if row["body"] == 1 else "domain")
@@ -143,7 +144,7 @@ def main():
     # Fluid at rest to half the height of a box: walls and probes above it are dry. The force on a side is rho g/8, the torque
     # about the middle of the box int_0^1/2 (y - 1/2) p dy = -rho g/24. Pressures of the first steps vary by 0.2 %.
     run("-case", "scene", "-n", "20", "-scene_filled_1", "box,-1,-1,2,0.5", "-body_force", "0,-1", "-viscosity", "0.1",
-        "-dt", "1e-3", "-max_steps", "5", "-probe_forces", "-probe_point", "0.5,0.5,0.5,0.55,0.5,0.95")
+        "-dt", "1e-3", "-max_steps", "5", "-probe_forces", "-probe_point", "0.5,0.5,0.5,0.55,0.5,0.95", alone=False)
     forces, point = rows("probe_forces.csv"), rows("probe_point.csv")
     close(last(forces, wall="left")["fx"], -1 / 8, 4e-4)
     close(last(forces, wall="left")["tz"], -1 / 24, 4e-4)
