@@ -11,6 +11,7 @@
 #define ISPH_STRAIN_H
 
 #include "isph/rows.h"
+#include "isph/surface.h"
 
 #define CELL_EDGE     0.5 /* of a cell [dx] */
 #define STRAIN_TENSOR (ISPH_MAX_DIM * ISPH_MAX_DIM)
@@ -39,7 +40,8 @@ typedef struct {
 typedef struct {
   PetscInt  sets;   /* components with equations of their own at boundaries: 1 or dim */
   PetscBool normal; /* walls along the axes give their normal velocity only; then sets is dim */
-  const PetscBool *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
+  const PetscBool   *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
+  const FreeSurface *free;  /* the cells end at it, as the last boundary; NULL: there is none */
 } StrainQuantity;
 
 /* Parts of boundaries that do not give the value of a scalar, each with a row of its value. */

@@ -28,8 +28,8 @@ static PetscErrorCode MeasureError(const Flow *flow, const Scalar *s, Report *re
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     exact = ExpressionValue(&s->given->exact, 0, t, x);
-    sum[0] += p->volume[i] * PetscSqr(s->c[i] - exact);
-    sum[1] += p->volume[i] * PetscSqr(exact);
+    sum[0] += ScalarVolumes(flow)[i] * PetscSqr(s->c[i] - exact);
+    sum[1] += ScalarVolumes(flow)[i] * PetscSqr(exact);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
   (void)snprintf(name, sizeof(name), "%s_l2", s->given->name);
@@ -57,17 +57,17 @@ PetscErrorCode ScalarsMeasure(const Flow *flow, Report *report)
       bound[0] = PetscMax(bound[0], -s->c[i]);
       bound[1] = PetscMax(bound[1], s->c[i]);
     }
-    PetscCall(ScalarAmount(p, s->c, amount));
+    PetscCall(ScalarAmount(flow, s->c, amount));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 2, MPIU_REAL, MPIU_MAX, p->comm));
     PetscCall(Add(report, s, "mean", amount[0] / amount[1]));
     PetscCall(Add(report, s, "min", -bound[0]));
     PetscCall(Add(report, s, "max", bound[1]));
     PetscCall(MeasureError(flow, s, report));
-    for (PetscInt side = 0; s->active && side < SceneBoundaries(flow->scene); side++) {
+    for (PetscInt side = 0; s->active && side <= SceneBoundaries(flow->scene); side++) {
       char wall[WALL_NAME], what[48];
 
       if (!s->law[side]) continue;
-      SceneWallName(flow->scene, side, wall);
+      ScalarBoundaryName(flow->scene, side, wall);
       (void)snprintf(what, sizeof(what), "flux_%s", wall);
       PetscCall(Add(report, s, what, s->entering[side]));
     }

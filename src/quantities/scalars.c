@@ -25,7 +25,8 @@ static const OptionRow options[] = {
         {
             .name     = "-scene_scalar_<k>_diffusivity",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "diffusivity of a scalar, of x, y[, z], t and the scalars",
+            .brief    = "diffusivity of a scalar, of x, y[, z], t and the scalars; one for all "
+                        "fluids, or one of each fluid 0, 1, ...",
             .unit     = "m^2/s",
             .standard = "0: particles carry it exactly",
             .where    = "-case scene, scalars that have a name",
@@ -36,7 +37,7 @@ static const OptionRow options[] = {
             .kind = VALUE_EXPRESSION,
             .brief =
                 "source of a scalar per time, of x, y[, z], t, the scalars and the strain rate "
-                "g = sqrt(2 E:E): nu*g^2/cp heats by friction",
+                "g = sqrt(2 E:E): nu*g^2/cp heats by friction; one for all fluids, or one of each",
             .unit     = "1/s",
             .standard = "0",
             .where    = "-case scene, scalars that have a name",
@@ -163,15 +164,16 @@ static PetscErrorCode ReadLaw(ExpressionScope *scope, PetscInt k, ScalarLaw law,
 static PetscErrorCode ReadScalar(ExpressionScope *scope, PetscInt k, ScalarGiven *s)
 {
   const struct {
-    PetscInt    option;
+    PetscInt    option, most;
     unsigned    allowed;
     Expression *to;
   } part[] = {
-      {START, EXPRESSION_PLACE, &s->start},
-      {DIFFUSIVITY, EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS, &s->diffusivity},
-      {SOURCE, EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS | EXPRESSION_STRAIN,
-       &s->source},
-      {EXACT, EXPRESSION_PLACE | EXPRESSION_TIME, &s->exact},
+      {START, 1, EXPRESSION_PLACE, &s->start},
+      {DIFFUSIVITY, EXPRESSION_MOST, EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS,
+       &s->diffusivity},
+      {SOURCE, EXPRESSION_MOST,
+       EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS | EXPRESSION_STRAIN, &s->source},
+      {EXACT, 1, EXPRESSION_PLACE | EXPRESSION_TIME, &s->exact},
   };
 
   PetscFunctionBegin;
@@ -180,11 +182,12 @@ static PetscErrorCode ReadScalar(ExpressionScope *scope, PetscInt k, ScalarGiven
     OptionRow row;
 
     OptionNumber(&options[part[q].option], k, name, &row);
-    PetscCall(ExpressionGet(scope, &row, 1, 1, part[q].allowed, part[q].to, NULL));
+    PetscCall(ExpressionGet(scope, &row, 1, part[q].most, part[q].allowed, part[q].to, NULL));
   }
-  UserCheck(s->diffusivity.n == 0 || s->diffusivity.uses[0] || s->diffusivity.value[0] >= 0.0,
-            "%s %.6g: allowed is 0 or more", s->diffusivity.option,
-            (double)s->diffusivity.value[0]);
+  for (PetscInt c = 0; c < s->diffusivity.n; c++)
+    UserCheck(s->diffusivity.uses[c] || s->diffusivity.value[c] >= 0.0,
+              "%s %.6g: allowed is 0 or more", s->diffusivity.option,
+              (double)s->diffusivity.value[c]);
   for (PetscInt law = 0; law < SCALAR_LAWS; law++) PetscCall(ReadLaw(scope, k, (ScalarLaw)law, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -21,6 +21,15 @@ typedef struct {
 void StrainCut(PetscInt dim, const PetscReal lo[], const PetscReal edge[], const PetscReal d[],
                CellPart *part);
 
+/* StrainIsStiffer - Returns true if fluid a gives the velocity on its interface with b; not
+   collective */
+static inline PetscBool StrainIsStiffer(const Scene *scene, PetscInt a, PetscInt b)
+{
+  const PetscReal nu[] = {SceneFluidViscosity(scene, a, NULL), SceneFluidViscosity(scene, b, NULL)};
+
+  return nu[0] > nu[1] || (nu[0] == nu[1] && a > b);
+}
+
 /* Points at which rows of the velocity are wanted. */
 typedef struct {
   PetscInt   n, room;

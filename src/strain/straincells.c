@@ -5,9 +5,13 @@
 */
 #include "strain.h"
 
-#define LEAST_PART 1e-6 /* volume of a part of a cell that counts, over that of the cell */
+/* Volume of a part of a cell that counts, over that of the cell. Corners so near to a surface are
+   on it: the facets of a part that is left out would be lost. */
+#define LEAST_PART 1e-6
 #define LEAST_MASS 0.3  /* of a particle, over its volume */
 #define NODE_REACH 1.5  /* particles that decide on the interface at a corner [dx] */
+#define TIE        1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
+#define VOID_REACH 1.2  /* without a particle so near a corner is outside the free surface [dx] */
 
 /* StrainReach - Returns the largest distance of a particle that assembly reads for the rows of
    another [m]: both have a part in a cell, through points of interfaces if there are; not
@@ -24,6 +28,7 @@ typedef struct {
   PetscInt   all;
   PetscInt  *fluid; /* at each corner; NULL: one fluid */
   PetscReal *phi;   /* distance from its interface, at least 0 [m] */
+  PetscReal *depth; /* below the free surface; NULL: there is none [m] */
 } Corners;
 
 /* A cell in the making. */
@@ -40,8 +45,9 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
   l->dim = p->dim;
   for (PetscInt a = 0; a < p->dim; a++) {
     const PetscReal length = scene->hi[a] - scene->lo[a], reach = (FIT_REACH + edge) * scene->dx;
-    const PetscBool around = SceneIsPeriodic(scene, a);
-    PetscInt        first, last;
+    const PetscBool around = SceneIsPeriodic(scene, a) || BoundaryIs(scene, 2 * a, BOUNDARY_FREE) ||
+                             BoundaryIs(scene, 2 * a + 1, BOUNDARY_FREE);
+    PetscInt first, last;
 
     l->cells[a] = PetscMax(1, (PetscInt)(length / (edge * scene->dx) + 0.5));
     l->edge[a]  = length / l->cells[a];
@@ -142,6 +148,50 @@ static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const St
     cut               = InterfaceNear(p, x, n, list, &plane);
     corners->fluid[k] = plane.fluid[plane.offset < 0.0];
     corners->phi[k]   = cut ? PetscAbsReal(plane.offset) : reach;
+    if (corners->phi[k] >= TIE * scene->dx) continue;
+    corners->phi[k]   = TIE * scene->dx;
+    corners->fluid[k] = plane.fluid[StrainIsStiffer(scene, plane.fluid[1], plane.fluid[0])];
+  }
+  PetscCall(PetscFree(list));
+  PetscCall(CellsFree(&cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the depths of the corners below the tangent plane of the nearest particle on the free
+   surface. */
+static PetscErrorCode SetDepths(const Scene *scene, const Particles *p, const FreeSurface *free,
+                                const StrainLattice *l, Corners *corners)
+{
+  const PetscReal reach = NODE_REACH * scene->dx;
+  Cells           cells = {0};
+  PetscInt       *list;
+
+  PetscFunctionBegin;
+  PetscCall(CellsBuild(p, reach, &cells));
+  PetscCall(PetscMalloc1(cells.n + 1, &list));
+  for (PetscInt k = 0; k < corners->all; k++) {
+    PetscInt  index[ISPH_MAX_DIM], n;
+    PetscReal x[ISPH_MAX_DIM], least[2] = {PETSC_INFINITY, PETSC_INFINITY}, depth = reach;
+
+    CornerIndex(l, k, index);
+    CornerPlace(scene, l, index, x);
+    PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
+    for (PetscInt q = 0; q < n; q++) {
+      const PetscInt  j  = list[q];
+      PetscReal       r2 = 0.0, along = 0.0;
+      const PetscBool on = !ParticlesIsWall(p, j) && free->kind[j] != SURFACE_INSIDE;
+
+      if (ParticlesIsWall(p, j) || free->kind[j] == SURFACE_ISOLATED) continue;
+      for (PetscInt a = 0; a < p->dim; a++) {
+        r2 += PetscSqr(x[a] - p->x[a][j]);
+        if (on) along += (p->x[a][j] - x[a]) * free->normal[j * p->dim + a];
+      }
+      least[0] = PetscMin(least[0], r2);
+      if (!on || r2 >= least[1]) continue;
+      least[1] = r2;
+      depth    = along;
+    }
+    corners->depth[k] = least[0] < PetscSqr(VOID_REACH * scene->dx) ? depth : -reach;
   }
   PetscCall(PetscFree(list));
   PetscCall(CellsFree(&cells));
@@ -193,6 +243,8 @@ static void DistancesIn(const StrainLattice *l, const Corners *corners, const Ce
     const PetscInt node = cell->node[c];
 
     d[c] = l->distance ? l->distance[node] : PETSC_INFINITY;
+    if (corners->depth) d[c] = PetscMin(d[c], corners->depth[node]);
+    if (PetscAbsReal(d[c]) < LEAST_PART * l->edge[0]) d[c] = 0.0;
     if (corners->fluid)
       d[c] =
           PetscMin(d[c], corners->fluid[node] == fluid ? corners->phi[node] : -corners->phi[node]);
@@ -214,9 +266,7 @@ static PetscInt StiffestOf(const Scene *scene, PetscInt n, const PetscInt fluid[
 
   for (PetscInt k = 0; k < n; k++) {
     if (fluid[k] == own) continue;
-    if (best < 0 ||
-        SceneFluidViscosity(scene, fluid[k], NULL) > SceneFluidViscosity(scene, best, NULL))
-      best = fluid[k];
+    if (best < 0 || StrainIsStiffer(scene, fluid[k], best)) best = fluid[k];
   }
   return best;
 }
@@ -226,7 +276,7 @@ static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const Cell *
 {
   const PetscInt a = side / 2, index = l->first[a] + cell->cell[a];
 
-  if (SceneIsPeriodic(scene, a)) return -1;
+  if (SceneIsPeriodic(scene, a) || BoundaryIs(scene, side, BOUNDARY_FREE)) return -1;
   if (side % 2 ? index == l->cells[a] - 1 : index == 0) return side;
   return -1;
 }
@@ -282,16 +332,10 @@ static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal nor
 /* Adds the facets of a part of a cell. */
 static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const Cell *cell,
                               PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
-                              const CellPart *part, Sides *sides, Facets *facets)
+                              PetscBool free, const CellPart *part, Sides *sides, Facets *facets)
 {
   const PetscInt other = StiffestOf(scene, n_fluids, fluids, fluid);
-  const PetscInt stiff = other >= 0 && (SceneFluidViscosity(scene, other, NULL) >
-                                            SceneFluidViscosity(scene, fluid, NULL) ||
-                                        (SceneFluidViscosity(scene, other, NULL) ==
-                                             SceneFluidViscosity(scene, fluid, NULL) &&
-                                         other > fluid))
-                             ? other
-                             : fluid;
+  const PetscInt stiff = other >= 0 && StrainIsStiffer(scene, other, fluid) ? other : fluid;
   PetscInt       point = 0;
 
   PetscFunctionBegin;
@@ -306,8 +350,10 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const 
   for (PetscInt k = 0; k < part->n_surface; k++) {
     PetscInt        body = -1;
     const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
-    const PetscBool wall = other < 0 || (body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0]);
+    const PetscBool near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0];
+    const PetscBool wall = other < 0 || near;
 
+    if (free && !near) body = SceneBoundaries(scene);
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
                              &sides->points));
@@ -363,7 +409,8 @@ static PetscErrorCode FindCells(const Scene *scene, const Corners *corners, Stra
       s->volume[s->n]     = part.volume;
       s->fluid[s->n]      = fluid[q];
       facets->first[s->n] = facets->n;
-      PetscCall(AddPart(scene, l, &cell, n, fluid, fluid[q], &part, sides, facets));
+      PetscCall(AddPart(scene, l, &cell, n, fluid, fluid[q],
+                        corners->depth ? PETSC_TRUE : PETSC_FALSE, &part, sides, facets));
       for (PetscInt a = 0; a < l->dim; a++) { /* mean of the sides */
         PetscReal sum = 0.0, area = 0.0;
 
@@ -554,6 +601,10 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     PetscCall(PetscMalloc2(corners.all, &corners.fluid, corners.all, &corners.phi));
     PetscCall(SetFluids(scene, p, &s->lattice, &corners));
   }
+  if (quantity->free) {
+    PetscCall(PetscMalloc1(corners.all, &corners.depth));
+    PetscCall(SetDepths(scene, p, quantity->free, &s->lattice, &corners));
+  }
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
@@ -567,6 +618,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(StrainRowsFree(&fits.feet));
   PetscCall(PetscFree(fits.foot));
   PetscCall(PetscFree2(corners.fluid, corners.phi));
+  PetscCall(PetscFree(corners.depth));
   PetscCall(StrainPointsFree(&sides.points));
   PetscCall(PetscFree(sides.side));
   PetscCall(PetscFree(facets.first));

@@ -142,9 +142,7 @@ static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, Pet
       ParticlesWallPoint(p, j, y);
     } else if (p->fluid && (PetscInt)p->fluid[j] != fluid) {
       if (!f->foot || f->foot[j] < 0) continue;
-      if (SceneFluidViscosity(f->scene, (PetscInt)p->fluid[j], NULL) <=
-          SceneFluidViscosity(f->scene, fluid, NULL))
-        continue;
+      if (!StrainIsStiffer(f->scene, (PetscInt)p->fluid[j], fluid)) continue;
       FootOf(p, j, y);
       code = -1 - (f->foot[j] * f->sets + (f->sets > 1 ? c : 0));
     } else {

@@ -4,13 +4,16 @@
 
 /* ScalarAmount - Computes the amount of a scalar in the fluid, and the volume of the fluid [m^dim];
    collective */
-PetscErrorCode ScalarAmount(const Particles *p, const PetscReal c[], PetscReal amount[2])
+PetscErrorCode ScalarAmount(const Flow *flow, const PetscReal c[], PetscReal amount[2])
 {
+  const Particles *p      = flow->particles;
+  const PetscReal *volume = ScalarVolumes(flow);
+
   PetscFunctionBegin;
   amount[0] = amount[1] = 0.0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    amount[0] += p->volume[i] * c[i];
-    amount[1] += p->volume[i];
+    amount[0] += volume[i] * c[i];
+    amount[1] += volume[i];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, amount, 2, MPIU_REAL, MPIU_SUM, p->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,7 +63,7 @@ PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s)
   PetscReal         amount[2];
 
   PetscFunctionBegin;
-  PetscCall(ScalarAmount(flow->particles, s->c, amount));
+  PetscCall(ScalarAmount(flow, s->c, amount));
   s->kept[KEPT_AMOUNT] = s->kept[KEPT_BEFORE] = amount[0];
   s->kept[KEPT_LOW]                           = PETSC_MAX_REAL;
   s->kept[KEPT_HIGH]                          = -PETSC_MAX_REAL;
@@ -68,7 +71,8 @@ PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s)
   (void)snprintf(s->kept_name, sizeof(s->kept_name), "%s_kept", s->given->name);
   PetscCall(MemoryAddReals(memory, s->kept_name, KEPT, s->kept));
   (void)snprintf(s->entering_name, sizeof(s->entering_name), "%s_entering", s->given->name);
-  PetscCall(MemoryAddReals(memory, s->entering_name, SceneBoundaries(flow->scene), s->entering));
+  PetscCall(
+      MemoryAddReals(memory, s->entering_name, SceneBoundaries(flow->scene) + 1, s->entering));
   for (PetscInt k = 0; k < 2 && s == flow->state->scalars->scalar; k++) {
     char name[3][32];
 
@@ -112,8 +116,8 @@ PetscErrorCode ScalarBalanceStep(Flow *flow, const PetscReal weight[2], PetscRea
 
   PetscFunctionBegin;
   PetscCall(Widen(flow, PETSC_FALSE, s));
-  PetscCall(ScalarAmount(p, s->c, amount));
-  for (PetscInt side = 0; side < SceneBoundaries(flow->scene); side++) rate += s->entering[side];
+  PetscCall(ScalarAmount(flow, s->c, amount));
+  for (PetscInt side = 0; side <= SceneBoundaries(flow->scene); side++) rate += s->entering[side];
   should            = weight[0] * kept[KEPT_AMOUNT] + weight[1] * kept[KEPT_BEFORE] + dt * rate;
   kept[KEPT_BEFORE] = kept[KEPT_AMOUNT];
   kept[KEPT_AMOUNT] = should;

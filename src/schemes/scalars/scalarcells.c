@@ -50,10 +50,12 @@ static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
     for (PetscInt k = 0; mixes && k < all->n; k++)
       for (PetscInt e = s->cells->first[0][c]; e < s->cells->first[0][c + 1]; e++)
         field[k] += s->cells->mean[e] * all->scalar[k].all[s->cells->j[0][e]];
-    s->D[c] = given->n ? ExpressionOf(given, 0, t, x, field, 0.0) : 0.0;
+    s->D[c] = given->n
+                  ? ExpressionOf(given, ScalarFluid(given, s->cells->fluid[c]), t, x, field, 0.0)
+                  : 0.0;
     least   = PetscMin(least, s->D[c]);
   }
-  if (!given->n || !given->uses[0]) PetscFunctionReturn(PETSC_SUCCESS); /* a number is checked */
+  if (!ExpressionUses(given, ~0u)) PetscFunctionReturn(PETSC_SUCCESS); /* a number is checked */
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPIU_MIN, flow->particles->comm));
   UserCheck(least >= 0.0, "%s: it is %.6g in the fluid, and must not be negative", given->option,
             (double)least);
@@ -64,7 +66,7 @@ static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
 static PetscErrorCode FindCells(Flow *flow, Scalar *s)
 {
   const Particles     *p        = flow->particles;
-  const StrainQuantity quantity = {.sets = 1, .gives = s->gives};
+  const StrainQuantity quantity = {.sets = 1, .gives = s->gives, .free = flow->ops->free};
 
   PetscFunctionBegin;
   PetscCall(NeighborsSearch(p, flow->neighbors)); /* fixed particles keep no lists of neighbours */
@@ -82,6 +84,25 @@ static PetscErrorCode FindCells(Flow *flow, Scalar *s)
   PetscCall(MatDuplicate(s->A, MAT_DO_NOT_COPY_VALUES, &s->J));
   s->epoch = p->epoch;
   s->moved = p->moved;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ScalarFindVolumes - Sets the volumes of particles below a free surface to those of their weights
+   in the cells at the start, and the amounts; collective */
+PetscErrorCode ScalarFindVolumes(Flow *flow)
+{
+  Scalars *all = flow->state->scalars;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < all->n; k++) {
+    Scalar   *s = &all->scalar[k];
+    PetscReal amount[2];
+
+    if (k == 0) PetscCall(FindCells(flow, s));
+    if (k == 0) PetscCall(PetscArraycpy(all->volume, s->cells->mass, flow->particles->n_fluid));
+    PetscCall(ScalarAmount(flow, s->c, amount));
+    s->kept[KEPT_AMOUNT] = s->kept[KEPT_BEFORE] = amount[0];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,7 +142,8 @@ static PetscReal Leaving(const Flow *flow, const Scalar *s, PetscInt q)
   const PetscInt      d = flow->scene->dim, row = border->row[q];
   PetscReal           sum = 0.0;
 
-  if (!w || !BoundaryIs(flow->scene, border->side[q], BOUNDARY_INFLOW | BOUNDARY_OUTFLOW))
+  if (!w || border->side[q] == SceneBoundaries(flow->scene) ||
+      !BoundaryIs(flow->scene, border->side[q], BOUNDARY_INFLOW | BOUNDARY_OUTFLOW))
     return 0.0;
   for (PetscInt e = border->rows.start[row]; e < border->rows.start[row + 1]; e++)
     for (PetscInt b = 0; b < d; b++)
@@ -261,7 +283,7 @@ PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s)
 {
   const Particles    *p      = flow->particles;
   const StrainBorder *border = &s->cells->border;
-  const PetscInt      n      = SceneBoundaries(flow->scene);
+  const PetscInt      n      = SceneBoundaries(flow->scene) + 1;
   const PetscReal     t      = flow->clock->t + flow->clock->dt;
 
   PetscFunctionBegin;

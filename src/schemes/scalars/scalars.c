@@ -1,34 +1,48 @@
 /* Scalars of a run: their creation, their fields, and the stage of a step that advances them. */
 #include "scalars.h"
 
-/* Sets the laws of a scalar at the boundaries that its options name. */
+/* ScalarBoundaryName - Writes the name of a boundary, "surface" for the free one, which is the
+   last; not collective */
+void ScalarBoundaryName(const Scene *scene, PetscInt side, char name[])
+{
+  if (side < SceneBoundaries(scene)) SceneWallName(scene, side, name);
+  else (void)snprintf(name, WALL_NAME, "surface");
+}
+
+/* Sets the laws of a scalar at the boundaries that its options name, the free surface last. */
 static PetscErrorCode SetLaws(const Scene *scene, Scalar *s)
 {
-  const PetscInt n = SceneBoundaries(scene);
+  const PetscInt  n    = SceneBoundaries(scene);
+  const PetscBool free = SceneHasFreeSurface(scene);
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc3(n, &s->law, n, &s->gives, n, &s->entering));
+  PetscCall(PetscCalloc3(n + 1, &s->law, n + 1, &s->gives, n + 1, &s->entering));
   for (PetscInt k = 0; k < s->given->n_boundary; k++) {
     const ScalarBoundary *law = &s->given->boundary[k];
     PetscBool             all, found = PETSC_FALSE;
 
     PetscCall(PetscStrcmp(law->place, "walls", &all));
-    for (PetscInt side = 0; side < n; side++) {
+    for (PetscInt side = 0; side < (free ? n + 1 : n); side++) {
       char      name[WALL_NAME];
       PetscBool same;
 
-      SceneWallName(scene, side, name);
+      ScalarBoundaryName(scene, side, name);
       PetscCall(PetscStrcmp(law->place, name, &same));
-      if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES) || (!all && !same)) continue;
+      if (!same && (!all || side == n || !BoundaryIs(scene, side, BOUNDARY_PARTICLES))) continue;
+      if (side < n && !BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+      UserCheck(side < n || law->law != SCALAR_VALUE,
+                "%s: particles carry the surface; give a flux, or an exchange with a large h",
+                law->of.option);
       UserCheck(all || !s->law[side], "%s: %s has a value, flux or exchange already",
                 law->of.option, name);
       found = PETSC_TRUE;
       if (!s->law[side]) s->law[side] = law;
     }
-    UserCheck(found || all,
-              "%s: there is no boundary %s; allowed are left, right, bottom, top, back, front, "
-              "domain and body_<k> of this scene that are not periodic, and walls",
-              law->of.option, law->place);
+    UserCheck(
+        found || all,
+        "%s: there is no boundary %s; allowed are left, right, bottom, top, back, front, "
+        "domain and body_<k> of this scene that are not periodic, walls, and surface if it is free",
+        law->of.option, law->place);
   }
   for (PetscInt side = 0; side < n; side++)
     s->gives[side] = s->law[side] && s->law[side]->law == SCALAR_VALUE;
@@ -45,14 +59,10 @@ static PetscErrorCode Refuse(const Flow *flow)
   while (*stage && *stage != &StageScalars) stage++;
   UserCheck(*stage, "-scheme %s: it carries no scalars; use projection or coupled",
             flow->scheme->row->name);
-  UserCheck(!SceneHasFreeSurface(scene),
-            "-scene_scalar_1_name: scalars beside a free surface do not work yet; fill the box");
   UserCheck(!SceneIsGraded(scene),
             "-scene_scalar_1_name: cells of scalars need a uniform spacing; drop -spacing options");
   UserCheck(!flow->clock->steady_solve,
             "-steady: scalars have no steady solve; run to a late -t_end, or until -steady_tol");
-  UserCheck(!SceneFluids(scene) || SceneFluids(scene) == 1,
-            "-scene_fluid_1: scalars beside interfaces of fluids do not work yet");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,6 +91,14 @@ PetscErrorCode ScalarsCreate(Flow *flow)
     s->is_nonlinear = ExpressionUses(&s->given->source, EXPRESSION_FIELDS);
     s->active = ExpressionIsGiven(&s->given->diffusivity) || ExpressionIsGiven(&s->given->source) ||
                 !SceneMoves(scene);
+    for (PetscInt q = 0; q < 2; q++) {
+      const Expression *e = q ? &s->given->source : &s->given->diffusivity;
+
+      UserCheck(e->n <= 1 || e->n == SceneFluids(scene),
+                "%s: it has %" PetscInt_FMT
+                " components; allowed are 1, or one of each of the %" PetscInt_FMT " fluids",
+                e->option, e->n, SceneFluids(scene));
+    }
     UserCheck(s->active || !s->given->n_boundary,
               "%s: without -scene_scalar_%" PetscInt_FMT "_diffusivity nothing enters there",
               s->given->boundary[0].of.option, k + 1);
@@ -113,6 +131,10 @@ PetscErrorCode ScalarsRegister(Flow *flow)
 
   PetscFunctionBegin;
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
+  if (flow->ops->free) {
+    PetscCall(ParticlesRegister(p, "scalar_volume", 1, HALO_NONE, ENTRY_NEAREST, &all->volume));
+    PetscCall(PetscArraycpy(all->volume, p->volume, p->n_fluid));
+  }
   for (PetscInt k = 0; k < all->n; k++) {
     Scalar *s = &all->scalar[k];
     char   *name;
@@ -183,6 +205,7 @@ PetscErrorCode ScalarsBegin(Flow *flow)
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
   all->next_id = flow->particles->next_id;
   PetscCall(FindPlaces(flow));
+  if (all->volume && flow->clock->step == 0) PetscCall(ScalarFindVolumes(flow));
   for (PetscInt k = 0; k < all->n; k++) {
     PetscCall(ScalarSetWalls(flow, flow->clock->t, &all->scalar[k]));
     PetscCall(ScalarValues(flow, all->scalar[k].c, &all->scalar[k]));
@@ -207,6 +230,7 @@ static void EnterParticles(const Flow *flow)
     PetscInt  side;
 
     if (p->id[i] < all->next_id) continue;
+    if (all->volume) all->volume[i] = p->volume[i];
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     (void)SceneDistanceTo(flow->scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW, x, &side);
     for (PetscInt k = 0; side >= 0 && k < all->n; k++) {
@@ -283,6 +307,7 @@ static PetscErrorCode FollowViscosity(Flow *flow)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, field[SCALARS_MOST] = {0.0};
 
+    if (p->fluid && p->fluid[i] > 0.0) continue; /* of a region, with its own viscosity */
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     for (PetscInt k = 0; k < flow->state->scalars->n; k++)
       field[k] = flow->state->scalars->scalar[k].c[i];

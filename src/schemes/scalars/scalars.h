@@ -54,8 +54,23 @@ struct Scalars {
   PetscReal *g;       /* strain rate of own fluid; NULL: not needed [1/s] */
   PetscReal *flow;    /* velocity of the fluid past the particles by local index, components
                          together; NULL: none [m/s] */
+  PetscReal *volume;  /* of own fluid below a free surface: that of its cells at the start (field);
+                         NULL: those of the particles [m^dim] */
   PetscInt64 next_id; /* of particles that enter in the next step */
 };
+
+/* Returns the volumes of own fluid in balances of scalars: half of them lies outside for particles
+   on a free surface, and would hold heat there [m^dim]. */
+static inline const PetscReal *ScalarVolumes(const Flow *flow)
+{
+  return flow->state->scalars->volume ? flow->state->scalars->volume : flow->particles->volume;
+}
+
+/* Returns the component of an expression for a fluid. */
+static inline PetscInt ScalarFluid(const Expression *e, PetscInt fluid)
+{
+  return e->n > 1 ? fluid : 0;
+}
 
 enum { KEPT_AMOUNT, KEPT_BEFORE, KEPT_LOW, KEPT_HIGH, KEPT };
 
@@ -67,6 +82,7 @@ PetscErrorCode ScalarsRegister(Flow *flow);
 PetscErrorCode ScalarsBegin(Flow *flow);
 PetscErrorCode ScalarsDestroy(Flow *flow);
 
+void ScalarBoundaryName(const Scene *scene, PetscInt side, char name[]);
 void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[]);
 
 /* scalarcells.c */
@@ -74,6 +90,7 @@ PetscErrorCode ScalarSetWalls(const Flow *flow, PetscReal t, Scalar *s);
 PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s);
 PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], Scalar *s);
 PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s);
+PetscErrorCode ScalarFindVolumes(Flow *flow);
 PetscErrorCode ScalarFree(Scalar *s);
 
 /* scalarsolve.c */
@@ -85,6 +102,6 @@ PetscErrorCode ScalarFreeVectors(Scalar *s);
 PetscErrorCode ScalarBalanceRegister(Flow *flow, Scalar *s);
 PetscErrorCode ScalarBalanceStep(Flow *flow, const PetscReal weight[2], PetscReal dt,
                                  PetscReal made, Scalar *s);
-PetscErrorCode ScalarAmount(const Particles *particles, const PetscReal c[], PetscReal amount[2]);
+PetscErrorCode ScalarAmount(const Flow *flow, const PetscReal c[], PetscReal amount[2]);
 
 #endif

@@ -5,34 +5,37 @@
 #define NUDGE 1e-6 /* of the value, for the slope of a source */
 
 /* Evaluates the source of own particles for values c of the scalar, and its slope ds/dc. */
-static PetscErrorCode SetSource(Scalar *s, PetscReal t, Vec c)
+static PetscErrorCode SetSource(Scalar *s, PetscReal t, Vec values)
 {
-  const Flow        *flow = s->flow;
-  const Scalars     *all  = flow->state->scalars;
-  const Particles   *p    = flow->particles;
+  const Flow        *flow   = s->flow;
+  const Scalars     *all    = flow->state->scalars;
+  const Particles   *p      = flow->particles;
+  const Expression  *given  = &s->given->source;
+  const PetscReal   *volume = ScalarVolumes(flow);
   const PetscScalar *own;
   PetscScalar       *source, *slope;
 
   PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(c, &own));
+  PetscCall(VecGetArrayRead(values, &own));
   PetscCall(VecGetArray(s->source, &source));
   PetscCall(VecGetArray(s->slope, &slope));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal g = all->g ? all->g[i] : 0.0, h = NUDGE * (1.0 + PetscAbsReal(own[i]));
+    const PetscInt  c               = ScalarFluid(given, p->fluid ? (PetscInt)p->fluid[i] : 0);
     PetscReal       x[ISPH_MAX_DIM] = {0.0}, field[SCALARS_MOST] = {0.0};
     PetscReal      *mine = &field[s - all->scalar];
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     for (PetscInt k = 0; k < all->n; k++) field[k] = all->scalar[k].all[i];
     *mine     = own[i];
-    source[i] = p->volume[i] * ExpressionOf(&s->given->source, 0, t, x, field, g);
+    source[i] = volume[i] * ExpressionOf(given, c, t, x, field, g);
     if (!s->is_nonlinear) continue;
     *mine    = own[i] + h;
-    slope[i] = (p->volume[i] * ExpressionOf(&s->given->source, 0, t, x, field, g) - source[i]) / h;
+    slope[i] = (volume[i] * ExpressionOf(given, c, t, x, field, g) - source[i]) / h;
   }
   PetscCall(VecRestoreArray(s->slope, &slope));
   PetscCall(VecRestoreArray(s->source, &source));
-  PetscCall(VecRestoreArrayRead(c, &own));
+  PetscCall(VecRestoreArrayRead(values, &own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,7 +179,7 @@ static PetscErrorCode Renumber(Scalar *s)
        *k; k++)
     PetscCall(FluidVec(p, NULL, *k));
   PetscCall(VecGetArrayWrite(s->volume, &volume));
-  PetscCall(PetscArraycpy(volume, p->volume, p->n_fluid));
+  PetscCall(PetscArraycpy(volume, ScalarVolumes(s->flow), p->n_fluid));
   PetscCall(VecRestoreArrayWrite(s->volume, &volume));
   s->numbered = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,7 +210,7 @@ static PetscErrorCode SetConstant(Scalar *s)
   if (s->flow->state->scalars->flow) {
     PetscReal amount[2];
 
-    PetscCall(ScalarAmount(p, s->c, amount));
+    PetscCall(ScalarAmount(s->flow, s->c, amount));
     mean = amount[0] / amount[1];
   }
   PetscCall(VecGetArrayWrite(s->constant, &to));
@@ -250,8 +253,8 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   PetscScalar     *next;
 
   PetscFunctionBegin;
-  PetscCall(Renumber(s));
   PetscCall(ScalarAssemble(flow, s));
+  PetscCall(Renumber(s));
   PetscCall(ScalarValues(flow, s->c, s));
   PetscCall(SetConstant(s));
   PetscCall(SetJacobian(s));
