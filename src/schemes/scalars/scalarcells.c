@@ -1,6 +1,10 @@
 /* The rates of a scalar, from the gradients of cells and from the boundaries between them. */
 #include "scalars.h"
 
+/* Of a cell of particles that move [dx]: such cells are made in each step. With cells of a whole
+   spacing values of neighbours part. */
+#define EDGE (2.0 / 3.0)
+
 /* Computes the values by local index: of own fluid from c, at own walls those that are given. */
 PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], Scalar *s)
 {
@@ -70,7 +74,8 @@ static PetscErrorCode FindCells(Flow *flow, Scalar *s)
 
   PetscFunctionBegin;
   PetscCall(NeighborsSearch(p, flow->neighbors)); /* fixed particles keep no lists of neighbours */
-  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, flow->ops->forms.degree,
+  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors,
+                           SceneMoves(flow->scene) ? EDGE : CELL_EDGE, flow->ops->forms.degree,
                            &quantity, &s->cells));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCall(MatDestroy(&s->A));
