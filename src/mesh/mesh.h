@@ -56,9 +56,7 @@ void           MeshAdd(MeshFile *file, PetscInt n, const PetscReal x[]);
 void           MeshAddPolygon(MeshFile *file, PetscInt n, const PetscInt corner[], PetscInt corners,
                               const PetscReal x[]);
 void           MeshReadStl(MeshFile *file);
-void           MeshReadPly(MeshFile *file);
 void           MeshReadObj(MeshFile *file);
-void           MeshReadSvg(MeshFile *file);
 void           MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y);
 void           MeshEndLoop(MeshFile *file);
 PetscErrorCode MeshFileRead(const char option[], const char path[], void (*Parse)(MeshFile *file),

@@ -34,10 +34,6 @@ static void Parse(MeshFile *file)
 {
   const char *line = file->text;
 
-  if (!strncmp(line, "ply", 3) && strchr("\r\n", line[3])) {
-    MeshReadPly(file);
-    return;
-  }
   while (*line && !(line[0] == 'v' && line[1] == ' ') && !MeshWord(file, "solid")) {
     file->at = line += strcspn(line, "\n");
     if (*line) line++;
@@ -170,7 +166,7 @@ static PetscReal Distance(const Body *body, const PetscReal x[], PetscReal norma
 
 const ShapeRow ShapeMesh = {
     .name     = "file",
-    .brief    = "path[,scale]: triangles of an STL, PLY or OBJ file, a closed surface",
+    .brief    = "path[,scale]: triangles of an STL or OBJ file, a closed surface",
     .citation = "Baerentzen & Aanaes 2005",
     .Read     = Read,
     .Span     = Span,

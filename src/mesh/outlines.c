@@ -1,9 +1,8 @@
 /*
-  Outlines in the plane from files: CSV, WKT and SVG. They become polygons, or compounds of polygons
+  Outlines in the plane from files: CSV and WKT. They become polygons, or compounds of polygons
   if there are several loops; a loop that is inside an odd number of others is a hole.
 */
 #include "mesh.h"
-#include <ctype.h>
 #include <string.h>
 
 #define CLOSED 1e-9 /* part of the areas by which loops that cross are found */
@@ -32,8 +31,7 @@ static void ReadCsv(MeshFile *file)
     file->at += strspn(file->at, " \t");
     if (strchr("\r\n", *file->at) || !MeshNumber(file, &y) ||
         !strchr("\r\n", file->at[strspn(file->at, " \t")]))
-      MeshFail(file, "line %" PetscInt_FMT " has no two numbers; in 2D a file is CSV, WKT or SVG",
-               line);
+      MeshFail(file, "line %" PetscInt_FMT " has no two numbers; in 2D a file is CSV or WKT", line);
     MeshAddCorner(file, x, y);
     MeshSkipLine(file);
   }
@@ -66,8 +64,7 @@ static void ReadWkt(MeshFile *file)
 static void Parse(MeshFile *file)
 {
   if (strlen(file->text) < file->length)
-    MeshFail(file, "it has bytes of 0, and is no CSV, WKT or SVG file");
-  else if (strstr(file->text, "<svg")) MeshReadSvg(file);
+    MeshFail(file, "it has bytes of 0, and is no CSV or WKT file");
   else if (MeshWord(file, "polygon") || MeshWord(file, "multipolygon")) {
     file->at = file->text;
     ReadWkt(file);
@@ -160,7 +157,7 @@ static PetscErrorCode Read(const char option[], const char text[], Body *body)
 
 const ShapeRow ShapeOutlines = {
     .name     = "file",
-    .brief    = "path[,scale]: outlines of a CSV (lines x,y), WKT or SVG file",
+    .brief    = "path[,scale]: outlines of a CSV (lines x,y) or WKT file",
     .citation = "",
     .plane    = PETSC_TRUE,
     .Read     = Read,

@@ -67,7 +67,7 @@ void MeshReadStl(MeshFile *file)
     ReadBinary(file, (PetscInt)n);
   else if (MeshWord(file, "solid")) ReadText(file);
   else if (strlen(file->text) == file->length)
-    MeshFail(file, "it is no STL, PLY or OBJ file, as a shape in 3D is");
+    MeshFail(file, "it is no STL or OBJ file, as a shape in 3D is");
   else
     MeshFail(file,
              "as a binary STL file with %.0f triangles it should have %.0f bytes "
