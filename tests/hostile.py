@@ -111,7 +111,6 @@ def options():
 
 
 def full():
-    refused("-visc_mat_view: the file cannot be written", "-visc_mat_view", "ascii:/dev/full")
     refused("-log_view: the file cannot be written", "-log_view", ":/dev/full")
     refused("the file cannot be written", "-ppe_ksp_view", "ascii:/dev/full")
     with open("/dev/full", "w", encoding="utf-8") as disk:

@@ -4,7 +4,7 @@ its own, which writes the published sums as dense matrices.
 
     viscousforms.py ISPH
 
-The matrix of -visc_mat_view is s I - nu L on a disordered periodic box, with a shift s. So nu L plus this matrix
+The matrix of -visc_ksp_view_mat is s I - nu L on a disordered periodic box, with a shift s. So nu L plus this matrix
 must be a multiple of the unit matrix. All sums are those of the papers, with differences of velocities in the
 gradients of two passes, and without the term eta^2 added to r^2."""
 import math
@@ -17,7 +17,7 @@ python_with("numpy")
 
 import numpy as np  # noqa: E402 (after the interpreter)
 
-from matrices import binary  # noqa: E402
+from matrices import binary, places  # noqa: E402
 
 NU, RATIO = 0.01, 1.3
 
@@ -101,14 +101,14 @@ def expected(cloud, form, correction):
 
 
 def measured(isph, n, dim, form, correction):
-    """Returns the positions, and the blocks [i, j, a, b] of the matrix of a run, rows and columns by ids."""
+    """Returns the positions, and the blocks [i, j, a, b] of the matrix of a run, rows and columns as in the snapshot."""
     command = [isph, "-case", "taylor_green", "-dim", str(dim), "-n", str(n), "-jitter", "0.25", "-motion", "eulerian",
                "-max_steps", "1", "-dt", "0.01", "-reynolds", "100", "-h_over_dx", str(RATIO), "-visc_laplacian", form,
-               "-visc_mat_view", "binary:a.bin", "-progress", "none", "-visc_ts_type", "beuler"]
+               "-visc_ksp_view_mat", "binary:a.bin", "-output", "a.h5", "-progress", "none", "-visc_ts_type", "beuler"]
     command += ["-correction", correction] if correction != "none" else []
     command += ["-cleary_xi", "4.24"] if form == "cleary" else []
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    x = np.loadtxt("a.bin.particles.csv", delimiter=",", skiprows=1)[:, 1:]
+    x = places("a_0000.h5")
     rows = binary("a.bin")
     blocks = np.zeros((len(rows), len(rows)))
     for k, row in enumerate(rows):

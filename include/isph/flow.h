@@ -202,8 +202,6 @@ typedef struct {
   const char *integrator;     /* type of its TS; NULL: none */
   SolveColumn column;         /* of the report */
   KSP         ksp;            /* NULL: explicit */
-  Mat         matrix;         /* of the last solve, for -<prefix>mat_view; NULL: none */
-  PetscBool   views_matrix;   /* -<prefix>mat_view exists */
   char        note[256];      /* allowed but unwise choices of the user; empty: none */
   PetscInt    iterations;     /* of the last step */
   PetscInt    iterations_sum; /* of all steps */

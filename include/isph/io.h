@@ -114,12 +114,6 @@ void                     SnapshotsGet(const Snapshots *snapshots, PetscReal rows
 PetscErrorCode           SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal rows[],
                                       PetscInt step);
 
-/* Matrices in the order of particle ids, options -visc_mat_view and -ppe_mat_view. */
-typedef struct MatrixFile MatrixFile;
-PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **file);
-PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
-PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
-
 /* Probes, forces and fluxes during a run, options -probe_point, -probe_line, -probe_flux,
    -probe_forces, -probe_bodies and -probe_volume. */
 typedef struct Monitors Monitors;
@@ -135,13 +129,12 @@ PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed);
 
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
 
-extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,
-    MatrixOptions;
-extern const Table      ProgressTable;
-typedef struct Progress Progress;
-PetscErrorCode          ProgressCreate(Progress **progress);
-PetscErrorCode          ProgressDestroy(Progress **progress);
-PetscErrorCode          ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
+extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions;
+extern const Table       ProgressTable;
+typedef struct Progress  Progress;
+PetscErrorCode           ProgressCreate(Progress **progress);
+PetscErrorCode           ProgressDestroy(Progress **progress);
+PetscErrorCode           ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
 
 PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscViewer viewer);
 

@@ -214,8 +214,7 @@ static PetscErrorCode PatchDestroy(Patch *patch)
 + -patch_field name  - row of FieldTable
 . -patch_repeats K   - repetitions of the timed part
 . -patch_spectrum    - reports eigenvalues and condition number, see PatchSpectrum()
-. -patch_solve       - solves a Poisson problem, see PatchSolve()
-- -visc_mat_view     - writes the matrix of the Laplacian, see MatrixFileCreate()
+- -patch_solve       - solves a Poisson problem, see PatchSolve()
 
   Notes: lengths are in units of the side of the square or cube
 */
@@ -223,7 +222,6 @@ PetscErrorCode PatchRun(Scene *scene)
 {
   Patch          patch = {0};
   Report        *report;
-  MatrixFile    *matrix;
   Flow           flow = {.scene = scene};
   PetscBool      changed, wants_help;
   PetscLogDouble start, end;
@@ -232,7 +230,6 @@ PetscErrorCode PatchRun(Scene *scene)
   PetscCall(PetscTime(&start));
   PetscCall(PatchCreate(scene, &patch));
   PetscCall(ReportCreate(&report));
-  PetscCall(MatrixFileCreate("visc_", &matrix));
   PetscCall(OptionGiven("-help", &wants_help));
   if (!wants_help) {
     if (!patch.solve) PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
@@ -244,7 +241,6 @@ PetscErrorCode PatchRun(Scene *scene)
     PetscCall(PatchStructure(&patch, report));
     if (patch.spectrum) PetscCall(PatchSpectrum(&patch, report));
     if (patch.solve) PetscCall(PatchSolve(&patch, report));
-    if (matrix) PetscCall(MatrixFileWrite(patch.particles, patch.ops->velocity[0].visc.A, matrix));
     PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(PetscTime(&end));
     flow.particles = patch.particles;
@@ -254,7 +250,6 @@ PetscErrorCode PatchRun(Scene *scene)
     PetscCall(ReportWrite(&flow, report, end - start, "ok"));
     PetscCall(ReportCheck(report));
   }
-  PetscCall(MatrixFileDestroy(&matrix));
   PetscCall(ReportDestroy(&report));
   PetscCall(PatchDestroy(&patch));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,8 +16,6 @@ typedef struct {
   Monitors      *monitors;
   Progress      *progress;
   Report        *report;
-  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: none */
-  MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
   MachineMemory  memory;
   PetscLogDouble started;           /* wall clock [s] */

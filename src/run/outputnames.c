@@ -100,7 +100,7 @@ static void AddViewer(const char option[], const char value[], NamedFiles *all)
   AddFile(option, path, PETSC_FALSE, all);
 }
 
-/* Adds the files of all options that view or monitor, as `-log_view :file` and `-visc_mat_view
+/* Adds the files of all options that view or monitor, as `-log_view :file` and `-visc_ksp_view_mat
    binary:file`. */
 static PetscErrorCode AddViewers(NamedFiles *all)
 {

@@ -80,17 +80,10 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
 /* Creates the outputs of the run. */
 static PetscErrorCode RunOpenFiles(Run *run)
 {
-  const Scheme *scheme = run->flow.scheme;
-
   PetscFunctionBegin;
   PetscCall(MonitorsCreate(&run->flow, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
-  for (PetscInt k = 0; k < scheme->n_solves; k++) {
-    if (scheme->solve[k]->views_matrix)
-      PetscCall(MatrixFileCreate(scheme->solve[k]->prefix, &run->solve_matrix[k]));
-  }
-  if (run->flow.ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
   PetscCall(CheckpointsCreate(&run->checkpoints));
   PetscCall(RunCheckOutputs(run));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -121,9 +114,6 @@ PetscErrorCode RunDestroy(Run *run)
 
   PetscFunctionBegin;
   PetscCall(CheckpointsDestroy(&run->checkpoints));
-  PetscCall(MatrixFileDestroy(&run->ppe_matrix));
-  for (PetscInt k = 0; k < SCHEME_MAX_SOLVES; k++)
-    PetscCall(MatrixFileDestroy(&run->solve_matrix[k]));
   PetscCall(ReportDestroy(&run->report));
   PetscCall(ProgressDestroy(&run->progress));
   PetscCall(MonitorsDestroy(&run->monitors));
@@ -252,28 +242,6 @@ static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the matrices of the last solves if their options were given. */
-static PetscErrorCode RunWriteMatrices(const Run *run)
-{
-  const Flow *flow = &run->flow;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < flow->scheme->n_solves; k++) {
-    if (!run->solve_matrix[k]) continue;
-    PetscCall(
-        MatrixFileWrite(flow->particles, flow->scheme->solve[k]->matrix, run->solve_matrix[k]));
-  }
-  if (run->ppe_matrix) {
-    Mat A;
-
-    PetscCall(AffineSystemCreate(&flow->ops->ppe, MATSAME, &A));
-    PetscCall(AffineSystemSet(&flow->ops->ppe, 0.0, 1.0, A));
-    PetscCall(MatrixFileWrite(flow->particles, A, run->ppe_matrix));
-    PetscCall(MatDestroy(&A));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Reports the number of undone steps if steps are retried, the figures of the scheme, the number of
    steps rejected because of their error, and the number of fallbacks of each solve that had any. */
 static PetscErrorCode RunReportChoices(Run *run)
@@ -329,7 +297,6 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
 
   PetscFunctionBegin;
   run->report->t = run->flow.clock->t; /* of quantities of the run itself */
-  PetscCall(RunWriteMatrices(run));
   if (measured) PetscCall(RunMeasure(run));
   else PetscCall(BalancesOfFailed(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(ExpressionScopeCheck(run->flow.scene->scope));

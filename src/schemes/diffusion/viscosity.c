@@ -125,7 +125,7 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
    stiffness, and no option shows or tests the matrix. */
 static PetscErrorCode ChooseShell(Viscosity *v)
 {
-  const char *const shows[] = {"-mat_view", "-snes_test_jacobian", "-snes_test_jacobian_view"};
+  const char *const shows[] = {"-snes_test_jacobian", "-snes_test_jacobian_view"};
   PetscBool         multiplies, diagonal, same, linear;
   SNES              snes;
   PC                pc;
@@ -190,8 +190,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
   solve->prefix  = "visc_";
   solve->column  = SOLVE_VELOCITY;
   PetscCall(OptionGetRow(&options[0], NULL, &v->row));
-  solve->integrator   = v->row->name;
-  solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;
+  solve->integrator = v->row->name;
   PetscCall(RefuseTimeOptions(v->row));
   PetscCall(RefuseImplicitConvection(flow, v->row));
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(CreateSystem(v, c));
@@ -235,8 +234,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDestroy(&v->convection));
   PetscCall(SurfaceStressFree(v->surface));
-  v->assemblies         = 0;
-  v->guard.solve.matrix = NULL;
+  v->assemblies = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -317,7 +315,6 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
     PetscCall(TSSetIJacobian(v->ts[c], v->newton ? v->newton : v->J, v->J, ViscosityIJacobian,
                              &v->component[c]));
   }
-  v->guard.solve.matrix = v->J;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

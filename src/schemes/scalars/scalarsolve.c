@@ -232,7 +232,6 @@ static PetscErrorCode SetJacobian(Scalar *s)
   if (!s->guard.solve.ksp) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SolverRenewPC(s->guard.solve.ksp));
   PetscCall(TSSetIJacobian(s->ts, s->J, s->J, Scalar_IJacobian, s));
-  s->guard.solve.matrix = s->J;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
