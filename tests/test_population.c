@@ -110,11 +110,11 @@ static void Remove(const Setting *s, PetscInt step, Population *pop)
   }
 }
 
-/* Checks ids, kinds and fields against the record, and the dense numbers of the fluid. */
+/* Checks ids, kinds and fields against the record. */
 static void CheckRecord(const Setting *s, const Population *pop)
 {
   const Particles *p     = pop->p;
-  PetscInt         wrong = 0, kinds = 0, mean = 0, unordered = 0, n_fluid = 0, *index, *number;
+  PetscInt         wrong = 0, kinds = 0, mean = 0, n_fluid = 0;
   All              all;
 
   CloudAssertNone("next id", s->name, p->next_id != pop->n);
@@ -125,18 +125,10 @@ static void CheckRecord(const Setting *s, const Population *pop)
     kinds += pop->alive[p->id[i]] != (p->kind[i] == PARTICLE_FLUID ? 1 : 2);
   for (PetscInt i = 0; i < ParticlesOwn(p); i++)
     mean += PetscAbsReal(pop->uniform[i] - UNIFORM) > 1e-13;
-  PetscCallVoid(PetscMalloc2(p->n_fluid, &index, pop->n, &number));
-  ASSERT_OK(ParticlesNumberById(p, index));
-  for (PetscInt id = 0; id < pop->n; id++) {
-    number[id] = n_fluid;
-    n_fluid += pop->alive[id] == 1;
-  }
-  for (PetscInt i = 0; i < p->n_fluid; i++) unordered += index[i] != number[p->id[i]];
-  PetscCallVoid(PetscFree2(index, number));
+  for (PetscInt id = 0; id < pop->n; id++) n_fluid += pop->alive[id] == 1;
   CloudAssertNone("only those that are alive", s->name, wrong);
   CloudAssertNone("kinds", s->name, kinds);
   CloudAssertNone("means of a uniform field", s->name, mean);
-  CloudAssertNone("dense numbers in the order of ids", s->name, unordered);
   CloudAssertNone("fluid", s->name, n_fluid != p->N_fluid);
 }
 

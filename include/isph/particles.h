@@ -160,7 +160,6 @@ PetscInt       ParticlesRankAt(const Particles *particles, const PetscReal x[]);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesHaloComponents(const Particles *particles, PetscReal *const values[]);
 PetscErrorCode ParticlesHaloVectors(const Particles *particles, PetscReal values[]);
-PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
 PetscErrorCode ParticlesCountRepeated(const Particles *particles, PetscInt n,
                                       const PetscReal record[], PetscInt *repeated);
 
