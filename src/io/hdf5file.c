@@ -6,8 +6,6 @@
 #define ROWS_MAX                                                                                   \
   ((hsize_t)PETSC_INT_MAX / 16) /* of a data set; numbers of values do not overflow */
 
-#define CHUNK_ROWS 16384 /* of a compressed data set: 0.1 to 0.4 MB, as HDF5 keeps in its cache */
-
 #define TEXT_MOST ((size_t)60000) /* of an attribute [bytes] */
 
 /* Hdf5Noted - Records a failure of an HDF5 call; returns the result of the call */
@@ -171,25 +169,6 @@ static hid_t OwnRows(Hdf5File *file, PetscInt columns, hid_t space)
   return memory;
 }
 
-/* Creates a data set: contiguous, or in chunks whose sorted bytes are compressed if it has more
-   rows than a chunk. */
-static hid_t CreateRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
-                        hid_t space)
-{
-  const hsize_t chunk[2] = {CHUNK_ROWS, (hsize_t)columns};
-  const hid_t   layout   = Hdf5Noted(file, H5Pcreate(H5P_DATASET_CREATE));
-  hid_t         data;
-
-  if (file->deflate && file->N > CHUNK_ROWS) {
-    (void)Hdf5Noted(file, H5Pset_chunk(layout, columns ? 2 : 1, chunk));
-    (void)Hdf5Noted(file, H5Pset_shuffle(layout));
-    (void)Hdf5Noted(file, H5Pset_deflate(layout, (unsigned)file->deflate));
-  }
-  data = H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, layout, H5P_DEFAULT);
-  (void)Hdf5Noted(file, H5Pclose(layout));
-  return Hdf5Noted(file, data);
-}
-
 /*
   Hdf5WriteRows - Writes a data set of N rows, of which each rank writes its own
 
@@ -213,7 +192,8 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
   PetscFunctionBegin;
   space  = Hdf5Noted(file, H5Screate_simple(rank, size, NULL));
   memory = OwnRows(file, columns, space);
-  data   = CreateRows(file, name, columns, stored, space);
+  data   = Hdf5Noted(
+        file, H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   if (data >= 0) {
     (void)Hdf5Noted(file, H5Dwrite(data, given, memory, space, file->transfer, rows));
     (void)Hdf5Noted(file, H5Dclose(data));

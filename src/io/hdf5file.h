@@ -21,7 +21,6 @@ typedef struct {
   hid_t     file, transfer; /* the file; collective transfers */
   PetscBool failed;         /* a call has failed on this rank */
   PetscInt  start, own, N;  /* rows of this rank: the first, their number; rows of all ranks */
-  PetscInt  deflate;        /* compression of long data sets to be written, 0 (none) to 9 */
 } Hdf5File;
 
 hid_t          Hdf5Noted(Hdf5File *file, hid_t result);

@@ -7,7 +7,7 @@
 #include "isph/options.h"
 #include <unistd.h>
 
-enum { OUTPUT, OUTPUT_EVERY, OUTPUT_COMPRESSION, SCENE_VIEW };
+enum { OUTPUT, OUTPUT_EVERY, SCENE_VIEW };
 static const OptionRow options[] = {
     [OUTPUT] =
         {
@@ -27,17 +27,6 @@ static const OptionRow options[] = {
             POSITIVE,
             .where = "flows",
         },
-    [OUTPUT_COMPRESSION] =
-        {
-            .name     = "-output_compression",
-            .kind     = VALUE_INT,
-            .brief    = "compression of snapshots, which does not change their numbers: 9 for the "
-                        "smallest files",
-            .standard = "0, none",
-            .low      = 0,
-            .high     = 9,
-            .where    = "flows",
-        },
     [SCENE_VIEW] =
         {
             .name  = "-scene_view",
@@ -53,7 +42,6 @@ const OptionTable SnapshotOptions = OPTIONS("Snapshots", options);
 struct Snapshots {
   char      base[PETSC_MAX_PATH_LEN]; /* given path without .h5; empty: no snapshots */
   PetscReal every;                    /* time between snapshots; 0: start and end only [s] */
-  PetscInt  compression;              /* 0 to 9 */
   Snapshot *done;
   PetscInt  n, capacity, step; /* number of complete snapshots; step of the last of them */
 };
@@ -87,15 +75,14 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 
   Options Database Keys:
 + -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
-. -output_every T - snapshots also at multiples of T, at which steps then end [s]
-- -output_compression level - of data sets, 0 to 9
+- -output_every T - snapshots also at multiples of T, at which steps then end [s]
 
   Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
 */
 PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
 {
   Snapshots *s;
-  PetscBool  every, compressed, h5 = PETSC_TRUE;
+  PetscBool  every, h5 = PETSC_TRUE;
   size_t     length;
   char       path[PETSC_MAX_PATH_LEN];
 
@@ -105,9 +92,7 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   s->step = -1;
   PetscCall(OptionGetFile(&options[OUTPUT], s->base));
   PetscCall(OptionGetReal(&options[OUTPUT_EVERY], &s->every, &every));
-  PetscCall(OptionGetInt(&options[OUTPUT_COMPRESSION], &s->compression, &compressed));
   UserCheck(!every || s->base[0], "-output_every: there is no -output");
-  UserCheck(!compressed || s->base[0], "-output_compression: there is no -output");
   if (s->base[0]) {
     PetscCall(PetscStrendswith(s->base, ".h5", &h5));
     PetscCall(PetscStrlen(s->base, &length));
@@ -219,7 +204,6 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
   PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, part, HDF5_COMMON, &file));
-  file.deflate = s->compression;
   if (file.file >= 0) {
     PetscCall(SnapshotAttributes(flow, &file));
     PetscCall(SnapshotFieldsWrite(flow, &file));
