@@ -40,7 +40,7 @@ PetscErrorCode ParticlesCountRepeated(const Particles *p, PetscInt n, const Pets
                                       PetscInt *repeated)
 {
   const PetscInt width = ParticlesRecordWidth(p);
-  PetscInt       n_received;
+  PetscInt       n_received = 0;
   PetscInt64    *id, *received;
 
   PetscFunctionBegin;
