@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the matrices of -visc_ksp_view_mat and -ppe_ksp_view_mat on different numbers of ranks, and checks that
-row k belongs to fluid particle k of a snapshot. The viscous matrix must be I/k - nu L, with the step k of an equivalent
-backward Euler step, and the pressure matrix -dx^2 L, with a Laplacian L that is exact for linear fields.
+row k belongs to fluid particle k of a snapshot. The viscous matrix must be I/dt - nu L, and the pressure matrix
+-dx^2 L, with a Laplacian L that is exact for linear fields.
 
     matrices.py N DT NU COMMAND_1 --and COMMAND_2
 
@@ -92,8 +92,8 @@ def main():
     assert difference(visc, by_id(ascii_("b.txt"), others)) < 1e-5
     assert difference(ppe, by_id(binary("q.bin"), others)) < 1e-5
     x = [tuple(x[k]) for k in sorted(range(len(ids)), key=lambda k: ids[k])]
-    # A step of BDF2 has the matrix of a backward Euler step over k = 2 dt/3, with the shift 1/k = 3/(2 dt).
-    shift, one, dx = 1.5 / dt, [1.0] * (n * n), 1.0 / n
+    # The first step is one of backward Euler, with the shift 1/dt.
+    shift, one, dx = 1 / dt, [1.0] * (n * n), 1.0 / n
     inner = [k for k, p in enumerate(x) if all(4.2 * dx < c < 1 - 4.2 * dx for c in p)]
     assert inner
     for k in inner:
