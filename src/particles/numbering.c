@@ -39,7 +39,7 @@ static PetscErrorCode SendIds(const Particles *p, PetscInt n, PetscInt64 id[], P
 PetscErrorCode ParticlesCountRepeated(const Particles *p, PetscInt n, const PetscReal record[],
                                       PetscInt *repeated)
 {
-  const PetscInt width = ParticlesRecordWidth(p);
+  const PetscInt width      = ParticlesRecordWidth(p);
   PetscInt       n_received = 0;
   PetscInt64    *id, *received;
 
