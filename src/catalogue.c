@@ -31,27 +31,21 @@ static const Table *const tables[] = {&CaseTable,
                                       &EquationOfStateTable,
                                       &DensityFormTable,
                                       &PressureReductionTable,
-                                      &CompressibleIntegratorTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-const OptionTable *const CatalogueOptions[] = {&ProgramOptions,       &CaseOptions,
-                                               &SceneOptions,         &SpacingOptions,
-                                               &StartOptions,         &TypedOptions,
-                                               &BodyOptions,          &FreeBodyOptions,
-                                               &ScalarOptions,        &BoundaryOptions,
-                                               &OpeningOptions,       &RheologyOptions,
-                                               &FrameOptions,         &TimeOptions,
-                                               &SchemeOptions,        &PressurePointsOptions,
-                                               &ProjectionOptions,    &ViscosityOptions,
-                                               &CoupledOptions,       &WcsphOptions,
-                                               &WcsphTimeOptions,     &MotionOptions,
-                                               &SurfaceVolumeOptions, &ParticleOptions,
-                                               &OperatorOptions,      &GuardOptions,
-                                               &SnapshotOptions,      &MonitorOptions,
-                                               &ReportOptions,        &ProgressOptions,
-                                               &CheckpointOptions,    &PatchOptions,
-                                               &SolverOptions,        NULL};
+const OptionTable *const CatalogueOptions[] = {
+    &ProgramOptions,        &CaseOptions,       &SceneOptions,
+    &SpacingOptions,        &StartOptions,      &TypedOptions,
+    &BodyOptions,           &FreeBodyOptions,   &ScalarOptions,
+    &BoundaryOptions,       &OpeningOptions,    &RheologyOptions,
+    &FrameOptions,          &TimeOptions,       &SchemeOptions,
+    &PressurePointsOptions, &ProjectionOptions, &ViscosityOptions,
+    &CoupledOptions,        &WcsphOptions,      &MotionOptions,
+    &SurfaceVolumeOptions,  &ParticleOptions,   &OperatorOptions,
+    &GuardOptions,          &SnapshotOptions,   &MonitorOptions,
+    &ReportOptions,         &ProgressOptions,   &CheckpointOptions,
+    &PatchOptions,          &SolverOptions,     NULL};
 
 /* CatalogueTable - Returns table k of named rows, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)

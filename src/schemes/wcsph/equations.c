@@ -99,14 +99,6 @@ static const PressureReductionRow reductions[] = {
 };
 const Table PressureReductionTable = TABLE("Reductions of the pressure", reductions);
 
-static const CompressibleIntegratorRow integrators[] = {
-    {TSRK, "Runge-Kutta; -wcsph_ts_rk_type midpoint is the predictor-corrector of Monaghan",
-     "Monaghan, J. Comput. Phys. 110 (1994)"},
-    {TSSSP, "strong stability preserving Runge-Kutta", "Ketcheson, SIAM J. Sci. Comput. 30 (2008)"},
-};
-const Table CompressibleIntegratorTable =
-    TABLE("Time integrators of weakly compressible fluids", integrators);
-
 /* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the
    vector, and counts them; not collective. Input: x, u, rho, e - the arrays. */
 void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,

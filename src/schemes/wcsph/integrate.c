@@ -5,18 +5,6 @@
 */
 #include "wcsph.h"
 
-static const OptionRow options[] = {
-    {
-        .name     = "-wcsph_ts_type",
-        .kind     = VALUE_NAME,
-        .brief    = "time integrator of the weakly compressible equations",
-        .standard = TSRK,
-        .table    = &CompressibleIntegratorTable,
-        .where    = "-scheme wcsph",
-    },
-};
-const OptionTable WcsphTimeOptions = OPTIONS("Integrator of weakly compressible flow", options);
-
 /* Copies a vector of the TS to arrays. */
 static PetscErrorCode CopyOut(const Wcsph *w, Vec y, PetscReal *const to[])
 {
@@ -138,24 +126,24 @@ static PetscErrorCode RegisterMidpoint(void)
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-. -wcsph_ts_type, -wcsph_ts_rk_type, ... - PETSc's options of the TS
+. -wcsph_ts_rk_type, ... - PETSc's options of the TS
 */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w)
 {
-  PetscBool is_rk;
+  PetscBool given;
   TSAdapt   adapt;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[0], NULL, &w->integrator));
-  PetscCall(TimeOptionsRefuse("wcsph_", w->integrator->name));
+  PetscCall(PetscOptionsHasName(NULL, "wcsph_", "-ts_type", &given));
+  UserCheck(!given, "-wcsph_ts_type: -scheme wcsph has Runge-Kutta methods; use -wcsph_ts_rk_type");
+  PetscCall(TimeOptionsRefuse("wcsph_", TSRK));
   PetscCall(RegisterMidpoint());
   PetscCall(TSCreate(PETSC_COMM_WORLD, &w->ts));
   PetscCall(TSSetOptionsPrefix(w->ts, "wcsph_"));
   PetscCall(PetscObjectSetName((PetscObject)w->ts, "flow"));
   PetscCall(TSSetProblemType(w->ts, TS_NONLINEAR));
-  PetscCall(TSSetType(w->ts, w->integrator->name));
-  PetscCall(PetscObjectTypeCompare((PetscObject)w->ts, TSRK, &is_rk));
-  if (is_rk) PetscCall(TSRKSetType(w->ts, "3"));
+  PetscCall(TSSetType(w->ts, TSRK));
+  PetscCall(TSRKSetType(w->ts, "3"));
   PetscCall(TSSetExactFinalTime(w->ts, TS_EXACTFINALTIME_STEPOVER));
   PetscCall(TSSetMaxSteps(w->ts, PETSC_INT_MAX - 1));
   PetscCall(TSSetMaxTime(w->ts, PETSC_MAX_REAL));
@@ -225,8 +213,8 @@ PetscErrorCode WcsphIntegrate(Flow *flow)
   w->first_stage = PETSC_TRUE;
   PetscCall(TSSetSolution(w->ts, w->y));
   PetscCall(TSRestartStep(w->ts));
-  PetscCall(TimeStepThrough(w->ts, w->integrator->name, &w->guard, clock->t, clock->dt, &dt,
-                            &flow->scheme->failure));
+  PetscCall(
+      TimeStepThrough(w->ts, TSRK, &w->guard, clock->t, clock->dt, &dt, &flow->scheme->failure));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   WcsphComponents(w, to);
   PetscCall(CopyOut(w, w->y, to));

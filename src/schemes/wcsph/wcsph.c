@@ -195,7 +195,6 @@ static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
   if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
     PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s alpha = %.3g, beta = %.3g\n", "artificial",
                                      (double)w->artificial[0], (double)w->artificial[1]));
-  PetscCall(TableViewRow("integrator", w->integrator, viewer));
   PetscCall(SchemeLimit(flow, &limit));
   PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "dt", (double)limit.dt,
                                    limit.reason));

@@ -9,9 +9,8 @@
 #include "isph/motion.h"
 #include "isph/solvers.h"
 
-extern const Table EquationOfStateTable, DensityFormTable, PressureReductionTable,
-    CompressibleIntegratorTable;
-extern const OptionTable WcsphOptions, WcsphTimeOptions;
+extern const Table       EquationOfStateTable, DensityFormTable, PressureReductionTable;
+extern const OptionTable WcsphOptions;
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
 #define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */
@@ -42,11 +41,6 @@ typedef struct {
   const char *name, *brief, *citation;
   PetscBool   mean; /* of the neighbours */
 } PressureReductionRow;
-
-/* TS types of the compressible equations. */
-typedef struct {
-  const char *name, *brief, *citation;
-} CompressibleIntegratorRow;
 
 /* The rates of change of a particle. */
 typedef struct {
@@ -89,19 +83,18 @@ typedef struct {
 } LocalFlow;
 
 struct Wcsph {
-  const EquationOfStateRow        *equation;
-  const DensityFormRow            *density;
-  const PressureReductionRow      *reduction;
-  const CompressibleIntegratorRow *integrator;
-  PetscBool                        follows; /* viscosity is PairSums.laplacian */
-  PetscReal                        c0;      /* speed of sound at rest [m/s] */
-  PetscReal                        p_rest;  /* pressure at rest, not zero for a gas [Pa] */
-  PetscReal                        e_rest;  /* internal energy at rest [J/kg] */
-  PetscReal                        courant; /* of sound [-] */
-  PetscReal                        lattice; /* WcsphLatticeSum() [-] */
-  PetscReal                        volume;  /* of the fluid at the start, if it stays [m^dim] */
-  PetscReal                        diffusion;
-  PetscReal                        artificial[2]; /* alpha, beta [-] */
+  const EquationOfStateRow   *equation;
+  const DensityFormRow       *density;
+  const PressureReductionRow *reduction;
+  PetscBool                   follows; /* viscosity is PairSums.laplacian */
+  PetscReal                   c0;      /* speed of sound at rest [m/s] */
+  PetscReal                   p_rest;  /* pressure at rest, not zero for a gas [Pa] */
+  PetscReal                   e_rest;  /* internal energy at rest [J/kg] */
+  PetscReal                   courant; /* of sound [-] */
+  PetscReal                   lattice; /* WcsphLatticeSum() [-] */
+  PetscReal                   volume;  /* of the fluid at the start, if it stays [m^dim] */
+  PetscReal                   diffusion;
+  PetscReal                   artificial[2]; /* alpha, beta [-] */
 
   PetscReal *rho, *e;    /* fields of the particles; e NULL: no energy */
   PetscReal *wall_start; /* field of dynamic walls: see WallDensities() [kg/m^3]; NULL: none */

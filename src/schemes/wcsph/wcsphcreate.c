@@ -108,7 +108,7 @@ static PetscErrorCode Refuse(const Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-time_order", &order));
-  UserCheck(!order, "-time_order: -wcsph_ts_type gives the order of -scheme wcsph");
+  UserCheck(!order, "-time_order: -wcsph_ts_rk_type gives the order of -scheme wcsph");
   UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
             "-scheme wcsph: it needs a pressure; add -with pressure,convection");
   UserCheck(SceneMoves(scene),
