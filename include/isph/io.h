@@ -118,7 +118,6 @@ PetscErrorCode           SnapshotsSet(Snapshots *snapshots, PetscInt n, const Pe
    -probe_forces, -probe_bodies and -probe_volume. */
 typedef struct Monitors Monitors;
 PetscErrorCode          MonitorsCreate(Flow *flow, Monitors **monitors);
-const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);

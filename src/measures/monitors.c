@@ -190,13 +190,6 @@ PetscErrorCode MonitorsCreate(Flow *flow, Monitors **monitors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorsBase - Returns the beginning of the names of files, empty without a probe; not
-   collective */
-const char *MonitorsBase(const Monitors *monitors)
-{
-  return monitors->base;
-}
-
 PetscErrorCode MonitorsDestroy(Monitors **monitors)
 {
   PetscFunctionBegin;

@@ -34,7 +34,7 @@ PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run);
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);
 
 /* outputnames.c */
-PetscErrorCode RunCheckOutputs(const Run *run);
+PetscErrorCode RunCheckOutputs(void);
 
 /* interrupt.c */
 PetscErrorCode InterruptInstall(void);

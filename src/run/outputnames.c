@@ -37,19 +37,16 @@ static void Canonical(const char typed[], char path[2 * PETSC_MAX_PATH_LEN])
 }
 
 /* Writes the names of a row as a pattern; empty if the run writes no such file. */
-static PetscErrorCode OutputPattern(const Run *run, const OutputName *row,
-                                    char pattern[3 * PETSC_MAX_PATH_LEN])
+static PetscErrorCode OutputPattern(const OutputName *row, char pattern[3 * PETSC_MAX_PATH_LEN])
 {
   const char *typed;
   char        base[PETSC_MAX_PATH_LEN], path[2 * PETSC_MAX_PATH_LEN];
-  PetscBool   given, probes, snapshots, h5;
+  PetscBool   given, snapshots, h5;
 
   PetscFunctionBegin;
   pattern[0] = '\0';
-  PetscCall(PetscStrcmp(row->option, "-probe_output", &probes));
   PetscCall(PetscStrcmp(row->option, "-output", &snapshots));
-  if (probes) typed = MonitorsBase(run->monitors);
-  else PetscCall(OptionTyped(row->option, &typed, &given));
+  PetscCall(OptionTyped(row->option, &typed, &given));
   if (!typed[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrncpy(base, typed, sizeof(base)));
   PetscCall(PetscStrendswith(base, ".h5", &h5));
@@ -117,14 +114,14 @@ static PetscErrorCode AddViewers(NamedFiles *all)
 }
 
 /* Lists the files that the run writes and reads. */
-static PetscErrorCode ListFiles(const Run *run, NamedFiles *all)
+static PetscErrorCode ListFiles(NamedFiles *all)
 {
   char pattern[3 * PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   all->n = 0;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) {
-    PetscCall(OutputPattern(run, &names[k], pattern));
+    PetscCall(OutputPattern(&names[k], pattern));
     AddFile(names[k].option, pattern, PETSC_FALSE, all);
   }
   PetscCall(AddViewers(all));
@@ -184,15 +181,15 @@ static PetscErrorCode KeepForeignFile(void)
   RunCheckOutputs - Refuses two options that lead to the same file, unless both only read it, and a
   checkpoint in the place of another file
 
-  Collective. Nothing has been written before.
+  Collective. To be called before any file is opened: solvers take their viewers early.
 */
-PetscErrorCode RunCheckOutputs(const Run *run)
+PetscErrorCode RunCheckOutputs(void)
 {
   NamedFiles *all;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&all));
-  PetscCall(ListFiles(run, all));
+  PetscCall(ListFiles(all));
   for (PetscInt k = 0; k < all->n; k++) {
     for (PetscInt m = 0; m < k; m++) {
       PetscBool same = Clash(&all->file[m], &all->file[k]);

@@ -85,7 +85,6 @@ static PetscErrorCode RunOpenFiles(Run *run)
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
   PetscCall(CheckpointsCreate(&run->checkpoints));
-  PetscCall(RunCheckOutputs(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,6 +96,7 @@ PetscErrorCode RunCreate(Run *run)
   char       path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
+  PetscCall(RunCheckOutputs());
   PetscCall(StartRead(run->flow.scene, &start, path));
   PetscCall(RunChoose(run, start.N));
   PetscCall(RunFill(run, path, &start));
