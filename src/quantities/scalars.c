@@ -155,6 +155,8 @@ static PetscErrorCode ReadLaw(ExpressionScope *scope, PetscInt k, ScalarLaw law,
     b->law = law;
     PetscCall(ExpressionSet(scope, name, colon + 1 + strspn(colon + 1, " "), wanted, wanted,
                             EXPRESSION_PLACE | EXPRESSION_TIME, &b->of));
+    UserCheck(law != SCALAR_EXCHANGE || b->of.uses[0] || b->of.value[0] >= 0.0,
+              "%s %s: %.6g: allowed is 0 or more", name, b->place, (double)b->of.value[0]);
   }
   PetscCall(PetscFree(copy));
   PetscFunctionReturn(PETSC_SUCCESS);
