@@ -27,20 +27,27 @@ static PetscBool HasBounds(const Scalar *s)
   return s->given->source.n ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Widens the range of start and boundaries by values of own fluid, or of walls and outside. */
+/* Widens the range of start and boundaries by values of own fluid, or of walls, of particles on a
+   free surface, and outside. */
 static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
 {
-  const Particles *p        = flow->particles;
-  PetscReal        bound[2] = {-s->kept[KEPT_LOW], s->kept[KEPT_HIGH]};
+  const Particles   *p        = flow->particles;
+  const FreeSurface *free     = flow->ops->free;
+  const PetscInt     first    = fluid || free ? 0 : p->n_fluid;
+  PetscReal          bound[2] = {-s->kept[KEPT_LOW], s->kept[KEPT_HIGH]};
 
   PetscFunctionBegin;
-  for (PetscInt i = fluid ? 0 : p->n_fluid; i < (fluid ? p->n_fluid : ParticlesOwn(p)); i++) {
-    const ScalarBoundary *law             = fluid ? NULL : s->law[(PetscInt)p->side[i]];
-    PetscReal             value           = fluid ? s->c[i] : 0.0;
+  for (PetscInt i = first; i < (fluid ? p->n_fluid : ParticlesOwn(p)); i++) {
+    const PetscBool       wall            = i >= p->n_fluid ? PETSC_TRUE : PETSC_FALSE;
+    const ScalarBoundary *law             = NULL;
+    PetscReal             value           = wall ? 0.0 : s->c[i];
     PetscReal             x[ISPH_MAX_DIM] = {0.0};
 
+    if (wall) law = s->law[(PetscInt)p->side[i]];
+    else if (!fluid && FreeSurfaceHolds(free, i)) law = s->law[SceneBoundaries(flow->scene)];
     if (!fluid && (!law || law->law == SCALAR_FLUX)) continue;
-    if (!fluid) ParticlesWallPoint(p, i, x);
+    if (wall) ParticlesWallPoint(p, i, x);
+    for (PetscInt a = 0; a < p->dim && !wall; a++) x[a] = p->x[a][i];
     if (law)
       value = ExpressionValue(&law->of, law->law == SCALAR_EXCHANGE ? 1 : 0,
                               flow->clock->t + flow->clock->dt, x);

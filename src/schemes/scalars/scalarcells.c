@@ -77,7 +77,8 @@ static PetscErrorCode FindCells(Flow *flow, Scalar *s)
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors,
                            SceneMoves(flow->scene) ? EDGE : CELL_EDGE, flow->ops->forms.degree,
                            &quantity, &s->cells));
-  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
+  if (!SceneMoves(flow->scene) && !flow->ops->free)
+    PetscCall(NeighborsRelease(flow->neighbors)); /* as FlowAssemble() */
   PetscCall(MatDestroy(&s->A));
   PetscCall(MatDestroy(&s->J));
   for (PetscInt w = 0; w < 2; w++) PetscCall(PatternFree(&s->columns[w]));
