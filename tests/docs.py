@@ -207,10 +207,13 @@ exec @ISPH@ "$@"
 """
 
 STUDY = """#!/usr/bin/env bash
-# isph-study; for a short variant with the first two values of each --vary.
-words=()
+# isph-study; for a short variant with the first two values of each --vary and --n.
+words=() last=
 for word in "$@"; do
-  if [ @SHORT@ ]; then word=$(sed -E 's/^([a-z_]+=[0-9]+)[.][.][0-9]+$/\\1..2/; s/^([a-z_]+=[^,]*,[^,]*),.*/\\1/' <<<"$word"); fi
+  if [ @SHORT@ ] && [[ $last =~ ^--(vary|n)$ ]]; then
+    word=$(sed -E 's/^([a-z_]+=[0-9]+)[.][.][0-9]+$/\\1..2/; s/^([^,]*,[^,]*),.*/\\1/' <<<"$word")
+  fi
+  last=$word
   words+=("$word")
 done
 exec python3 studies/isph-study "${words[@]}" --isph .bin/isph

@@ -5,7 +5,7 @@
   splines of quartic fits too. The fits take most of the time, so the same splines of a box have all
   these properties tried.
 */
-/* RANKS: 1 2 3 */
+/* RANKS: 1 3 */
 #include "splines/splines.h"
 #include "cloud.h"
 #include "isph/solvers.h"
