@@ -35,6 +35,9 @@ def newton(isph):
             assert off < 2e-4, (scheme, density)
             assert abs(v) < 1e-9 if density == 1.0 else (v > 0.0) == (density < 1.0), (scheme, density)
             assert abs(v) < 1.0e-2, (scheme, density)
+    row = report(isph, "-case scene -dim 3 -n 8 -scene_periodic z -scene_box 0,0,0,1,1,0.5 -scene_body_1 cylinder,0.5,0.5,0.2 "
+                       "-scene_body_1_density 1 -body_force 0,-1,0 -viscosity 0.05 -dt 0.01 -max_steps 1 -time_order 1")
+    assert abs(row["body_1_v"]) < 1e-9 and abs(row["body_1_fy"] / (0.02 * math.pi) - 1) < 1e-5, row  # its weight
 
 
 def terminal(isph):

@@ -5,8 +5,6 @@
 */
 #include "isph/scene.h"
 
-#define PIECES 256 /* least number of surface points over the extent of a body, for its moments */
-
 enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD, FROM_FILE };
 static const char *const components[] = {"x", "y", "z", "rotation", NULL};
 
@@ -90,47 +88,21 @@ static const OptionRow options[] = {
 };
 const OptionTable FreeBodyOptions = OPTIONS("Bodies that are free, or follow a file", options);
 
-/*
-  Computes volume and second moments about the centre of a body from points r of its surface, with
-  the areas A and normals n out of it, by the theorem of Gauss
-
-    V = sum r.n A/dim,   int r_a r_b dV = sum r_a^2 r_b n_a A/c,   c = 3 if a = b, else 2
-*/
-static void Moments(const Scene *scene, const Body *body, PetscReal *volume,
-                    PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM])
-{
-  const PetscInt  dim  = scene->dim;
-  const PetscReal unit = PetscMin(0.25 * scene->dx, body->extent / PIECES);
-  const PetscInt  n    = BodyPoints(body, unit);
-
-  *volume = 0.0;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
-    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) second[a][b] = 0.0;
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal       r[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-    const PetscReal area = BodyPoint(body, k, unit, r, normal);
-
-    for (PetscInt a = 0; a < dim; a++) r[a] -= body->centre[a];
-    for (PetscInt a = 0; a < dim; a++) {
-      *volume += area * r[a] * normal[a] / (PetscReal)dim;
-      for (PetscInt b = 0; b < dim; b++)
-        second[a][b] += area * r[a] * r[a] * r[b] * normal[a] / (a == b ? 3.0 : 2.0);
-    }
-  }
-}
-
 /* Sets mass and inertia of a body of uniform density, with its mass or, if that is 0, density. */
 static void SetInertia(const Scene *scene, const Body *body, PetscReal density, PetscReal mass,
                        Freedom *f)
 {
-  PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM], trace = 0.0;
+  const PetscBool through = (PetscBool)(scene->dim == 3 && BodyReachesThrough(body, 2));
+  PetscReal       trace   = 0.0;
+  BodyMoments     m;
 
-  Moments(scene, body, &f->volume, second);
-  f->mass = mass > 0.0 ? mass : density * f->volume;
-  for (PetscInt a = 0; a < scene->dim; a++) trace += second[a][a];
+  BodyFindMoments(body, &m);
+  f->volume = m.volume * (through ? body->ends[1] - body->ends[0] : 1.0);
+  f->mass   = mass > 0.0 ? mass : density * f->volume;
+  for (PetscInt a = 0; a < scene->dim; a++) trace += m.second[a][a];
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
-      f->inertia[a][b] = f->mass / f->volume * ((a == b ? trace : 0.0) - second[a][b]);
+      f->inertia[a][b] = f->mass / m.volume * ((a == b ? trace : 0.0) - m.second[a][b]);
 }
 
 /* Reads numbers of an option, `least` or `most` of them; others of value[] stay. */
