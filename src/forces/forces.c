@@ -26,7 +26,7 @@ typedef struct {
 struct Reaction {
   PetscInt       side;
   PetscReal      centre[ISPH_MAX_DIM]; /* of torques [m] */
-  Facets         facets, fine;         /* dx wide, and finer ones, for pressures with a formula */
+  Facets         facets, fine;         /* dx wide; narrower, for pressures with a formula */
   Layer          layer;
   LinearPressure linear; /* of the last call */
   KeptFits       fits;   /* of the points of the layer */

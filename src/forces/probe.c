@@ -95,7 +95,7 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], const ProbeBa
 }
 
 /* Finds the weights of the next fit that a monitor of fixed particles asked for before; returns
-   false if it is another one, and forgets it and all after it. */
+   false if it is another, and forgets it and all after it. */
 static PetscBool TakeKept(Probe *probe, const PetscReal key[], PetscInt wanted, PetscInt *n)
 {
   KeptFits  *kept = &probe->flow->state->kept_fits;

@@ -58,7 +58,7 @@ static PetscReal DistanceAt(const Curve *c, PetscReal s, const Body *part)
 }
 
 /* Adds the places at which a curve crosses the border of a part: the distance from it is a bound
-   for the way to the next one. Places of corners on the curve are added as well, where borders
+   for the way to the next. Places of corners on the curve are added as well, where borders
    coincide. */
 static PetscErrorCode Cross(const Curve *c, const Body *part, PetscReal tight, Cuts *cuts)
 {
@@ -170,7 +170,7 @@ static PetscBool Joins(const Curve *next, PetscReal extent, Curve *c)
   return PETSC_TRUE;
 }
 
-/* Joins the last piece of a loop and its first one, if both are parts of one curve. */
+/* Joins the last piece of a loop and its first, if both are parts of one curve. */
 static void JoinEnds(PetscReal extent, Curve piece[], PetscInt start, PetscInt *kept)
 {
   if (*kept - start < 2 || !Joins(&piece[start], extent, &piece[*kept - 1])) return;

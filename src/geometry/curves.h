@@ -58,7 +58,7 @@ struct SurfacePoints {
 typedef struct {
   void (*Fill)(const Body *body, SurfacePoints *points);
   SurfacePoints *points;
-  PetscReal      origin[3], axis[3][3]; /* the last one is the axis of the meridian */
+  PetscReal      origin[3], axis[3][3]; /* the last is the axis of the meridian */
   PetscInt       n;
   Curve          meridian[3];
   Border         border; /* parts of a compound */

@@ -33,7 +33,7 @@ struct FreeBodies {
   PetscInt   n;                /* unknowns */
   PetscInt  *body, *part;      /* of each unknown */
   PetscReal *J, *kept;         /* dR/dv, of the present step and after the last, by rows [kg/s] */
-  PetscReal *v, *R, *next, *s; /* of the last trial, of the next one; work */
+  PetscReal *v, *R, *next, *s; /* of the last trial, of the next; work */
   PetscReal  length;           /* k of the kept matrix; 0: none [s] */
   PetscReal  contacts, solves; /* steps with a push-off; solves so far */
   Reaction **reaction;         /* of each body of the scene; NULL: not prepared */
