@@ -102,6 +102,10 @@ typedef struct {
   Vec       divergence;                      /* div u* - source of the present step [1/s] */
   Vec       source;                          /* divergence that particles should have, on the
                                                 own fluid; NULL: zero [1/s] */
+  Vec       lightness;                       /* rho_0/rho of particles; NULL: all are 1 [-] */
+  PetscReal tension_energy;                  /* of interfaces, twice, over the mass [m^2/s^2] */
+  Vec       interface[ISPH_MAX_DIM];         /* forces of interfaces per unit mass, and weights less
+                                                the body force; NULL: none [m/s^2] */
   Vec       work[FLOW_MAX_WORK];             /* vectors lent by FlowGetWork() */
   PetscBool lent[FLOW_MAX_WORK];
 
@@ -116,6 +120,7 @@ typedef struct {
   PetscReal force_max;      /* largest body force per unit mass that no pressure is known to
                                balance [m/s^2] */
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
+  PetscReal density;        /* mean of the fluid [kg/m^3] */
   PetscReal divergence;     /* largest |D u| [1/s] */
   PetscReal change[3];      /* of u, div u* and p, relative, per shortest time scale [-] */
   PetscReal unevenness;     /* largest root mean square of C - 1 of the run so far [-] */

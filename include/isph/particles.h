@@ -204,6 +204,12 @@ static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
   return p->volume[i] / p->cell_volume;
 }
 
+/* Returns the density of the fluid of particle i [kg/m^3]. */
+static inline PetscReal ParticlesDensity(const Scene *scene, const Particles *p, PetscInt i)
+{
+  return scene->rho * (p->fluid ? SceneFluidDensity(scene, (PetscInt)p->fluid[i]) : 1.0);
+}
+
 /* Returns SceneMotionFactor() at the place of graded particle i, from its volume [-]. */
 static inline PetscReal ParticlesMotionFactor(const Scene *scene, const Particles *p, PetscInt i)
 {

@@ -262,7 +262,9 @@ struct Scene {
   PetscInt     n_scalars;
   Expression   nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
   Body         region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
-  PetscReal    region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
+  PetscReal    region_nu[SCENE_MAX_FLUIDS]; /* their viscosities mu/rho, see SceneMixes() [m^2/s] */
+  PetscReal    region_density[SCENE_MAX_FLUIDS]; /* their densities over rho [-] */
+  PetscReal    region_tension[SCENE_MAX_FLUIDS]; /* of their surfaces [N/m] */
   PetscInt     n_regions;
   Body         filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
   PetscInt     n_filled;                 /* 0: the fluid fills the box */
@@ -292,6 +294,8 @@ PetscErrorCode     SceneReadTyped(Scene *scene);
 PetscErrorCode     SceneReadBodies(PetscBool boxed, Scene *scene);
 const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[]);
 PetscInt           SceneFluids(const Scene *scene);
+PetscBool          SceneMixes(const Scene *scene);
+PetscReal          SceneFluidDensity(const Scene *scene, PetscInt fluid);
 PetscInt           SceneFluidAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode     InterfacePointsCreate(const Scene *scene, InterfacePoints *points);
 PetscErrorCode     InterfacePointsDestroy(InterfacePoints *points);

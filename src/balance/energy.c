@@ -199,7 +199,7 @@ PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy)
   PetscReal        sum   = 0.0;
 
   PetscFunctionBegin;
-  *energy = 0.0;
+  *energy = flow->state->tension_energy;
   if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < p->n_fluid; i++)
     if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;

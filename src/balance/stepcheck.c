@@ -50,7 +50,7 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   const Particles   *p      = flow->particles;
   Scheme            *s      = flow->scheme;
   const PetscReal   *C      = Concentrations(flow);
-  PetscReal          sum[2] = {0.0}, most[3] = {0.0, flow->walls.speed_bound, 0.0};
+  PetscReal          sum[3] = {0.0}, most[3] = {0.0, flow->walls.speed_bound, 0.0};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -67,7 +67,8 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
       speed2 += PetscSqr(v[a][i]);
       stretched2 += PetscSqr(ParticlesStretch(p, a, i) * pass[a]);
     }
-    sum[0] += ParticlesWeight(p, i) * speed2;
+    sum[0] += ParticlesWeight(p, i) * ParticlesDensity(scene, p, i) * speed2;
+    sum[2] += ParticlesWeight(p, i) * ParticlesDensity(scene, p, i);
     if (C) sum[1] += ParticlesWeight(p, i) * PetscSqr(C[i] - 1.0);
     speed   = PetscSqrtReal(speed2);
     most[0] = PetscMax(most[0], speed);
@@ -75,9 +76,10 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
                                     PaceFactor(scene, p, i));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 3, MPIU_REAL, MPIU_MAX, p->comm));
-  s->stats.kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum[0];
+  s->stats.kinetic_energy = 0.5 * SceneVolume(scene) * sum[0];
+  s->stats.density        = sum[2] / p->weight;
   s->stats.unevenness     = PetscMax(s->stats.unevenness, PetscSqrtReal(sum[1] / p->weight));
   s->stats.speed_max      = most[0];
   s->stats.pace_max       = most[2];

@@ -41,6 +41,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->convection_before[a]));
     PetscCall(VecDestroy(&s->correction_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
+    PetscCall(VecDestroy(&s->interface[a]));
   }
   PetscCall(VecDestroy(&s->p));
   PetscCall(PetscFree(s->kept_fits.number));
@@ -48,6 +49,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   PetscCall(VecDestroy(&s->source));
+  PetscCall(VecDestroy(&s->lightness));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,6 +129,9 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->owned_volume) PetscCall(FluidVec(p, NULL, &s->source));
     if (s->owned_volume) PetscCall(VecZeroEntries(s->source));
   }
+  for (PetscInt a = 0; SceneMixes(flow->scene) && a < p->dim; a++)
+    PetscCall(FluidVec(p, NULL, &s->interface[a]));
+  if (SceneMixes(flow->scene)) PetscCall(FluidVec(p, NULL, &s->lightness));
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

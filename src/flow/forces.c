@@ -28,6 +28,9 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
   PetscReal        most = 0.0;
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; force && flow->state->interface[a] && a < scene->dim; a++)
+    PetscCall(VecAXPY(force[a], 1.0, flow->state->interface[a]));
+  if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!scene->force.n) {
     PetscReal f[ISPH_MAX_DIM];
 

@@ -53,7 +53,7 @@ PetscReal FlowRmsSpeed(const Flow *flow)
   const Particles *p = flow->particles;
 
   return PetscSqrtReal(2.0 * flow->scheme->stats.kinetic_energy /
-                       (flow->scene->rho * p->cell_volume * p->weight));
+                       (flow->scheme->stats.density * p->cell_volume * p->weight));
 }
 
 /*

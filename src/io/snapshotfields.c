@@ -167,6 +167,17 @@ static int Label_Boundary(const Flow *flow, PetscInt i)
   return i < flow->particles->n_fluid ? -1 : (int)flow->particles->side[i];
 }
 
+static PetscBool Has_Fluids(const Flow *flow)
+{
+  return flow->particles->fluid ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns the number of the fluid of a particle; 0 for walls. */
+static int Label_Fluid(const Flow *flow, PetscInt i)
+{
+  return i < flow->particles->n_fluid ? (int)flow->particles->fluid[i] : 0;
+}
+
 static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
 {
   PetscFunctionBegin;
@@ -204,6 +215,11 @@ static const SnapshotField fields[] = {
      .Has   = Has_Surface,
      .Label = Label_Surface},
     {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Label = Label_Boundary},
+    {.name  = "fluid",
+     .units = "k of -scene_fluid_k, 0 elsewhere",
+     .shape = FIELD_LABEL,
+     .Has   = Has_Fluids,
+     .Label = Label_Fluid},
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 

@@ -156,9 +156,10 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
   }
   PetscCall(AccelerationGet(flow, rate));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal mass            = scene->rho * share * ParticlesWeight(p, i) * p->cell_volume;
-    PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, a[ISPH_MAX_DIM] = {0.0};
-    PetscReal       u[ISPH_MAX_DIM] = {0.0}, w[ISPH_MAX_DIM] = {0.0};
+    const PetscReal mass =
+        ParticlesDensity(scene, p, i) * share * ParticlesWeight(p, i) * p->cell_volume;
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, a[ISPH_MAX_DIM] = {0.0};
+    PetscReal u[ISPH_MAX_DIM] = {0.0}, w[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt c = 0; c < p->dim; c++) {
       x[c] = p->x[c][i];

@@ -83,8 +83,9 @@ static void SetStress(const Flow *flow, PetscInt i, const PetscReal A[], PetscBo
 static void AddTerms(const Flow *flow, PetscInt i, const PetscReal A[], const PetscReal *lap,
                      Defect *d)
 {
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
+  const Scene     *scene   = flow->scene;
+  const Particles *p       = flow->particles;
+  const PetscReal  density = ParticlesDensity(scene, p, i) / scene->rho;
   PetscReal        x[ISPH_MAX_DIM], f[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], N[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -95,7 +96,7 @@ static void AddTerms(const Flow *flow, PetscInt i, const PetscReal A[], const Pe
   if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, ClockMoment(flow->clock), x, f);
   d->mass[i] = 0.0;
   for (PetscInt a = 0; a < p->dim; a++) {
-    d->momentum[a][i] -= f[a];
+    d->momentum[a][i] = density * (d->momentum[a][i] - f[a]);
     if (lap) d->momentum[a][i] -= d->nu[i] * lap[a];
     d->momentum[a][i] += N[a];
     d->mass[i] += A[a * p->dim + a];

@@ -150,6 +150,21 @@ static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the momentum of fluids of several densities, over rho and the volume of a cell [m/s]. */
+static PetscErrorCode SumMomentum(const Flow *flow, PetscReal momentum[])
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    for (PetscInt a = 0; a < p->dim; a++)
+      momentum[a] += ParticlesDensity(flow->scene, p, i) / flow->scene->rho *
+                     ParticlesWeight(p, i) * p->u[a][i];
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, momentum, (PetscMPIInt)p->dim, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   MeasureCommon - Computes the quantities that every case reports
 
@@ -175,7 +190,9 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
 
   PetscFunctionBegin;
-  if (SceneKeepsMomentum(flow->scene) && !(flow->ops->needs & NEED_STREAMS)) {
+  if (SceneMixes(flow->scene)) {
+    PetscCall(SumMomentum(flow, momentum));
+  } else if (SceneKeepsMomentum(flow->scene) && !(flow->ops->needs & NEED_STREAMS)) {
     PetscCall(FlowMeanVelocity(flow, flow->state->u, momentum));
     for (PetscInt c = 0; c < p->dim; c++) momentum[c] *= p->weight;
   } else {

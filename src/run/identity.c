@@ -191,6 +191,8 @@ static PetscErrorCode SceneViscosities(const Scene *scene, double value[])
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
     PetscCall(SumOption(option, &sum));
     CheckpointSumNumbers(1, &scene->region_nu[k - 1], &sum);
+    CheckpointSumNumbers(1, &scene->region_density[k - 1], &sum);
+    CheckpointSumNumbers(1, &scene->region_tension[k - 1], &sum);
     SumShape(&scene->region[k - 1], &sum);
   }
   value[0] = (double)(sum >> 16);

@@ -4,7 +4,18 @@
 */
 #include "isph/scene.h"
 
-enum { BOX, WALL_VELOCITY, FILLED, FLUID, FLUID_VISCOSITY, VISCOSITY_FIELD, START_VELOCITY, EXACT };
+enum {
+  BOX,
+  WALL_VELOCITY,
+  FILLED,
+  FLUID,
+  FLUID_VISCOSITY,
+  FLUID_DENSITY,
+  FLUID_TENSION,
+  VISCOSITY_FIELD,
+  START_VELOCITY,
+  EXACT
+};
 static const OptionRow options[] = {
     [BOX] =
         {
@@ -51,10 +62,32 @@ static const OptionRow options[] = {
         },
     [FLUID_VISCOSITY] =
         {
-            .name  = "-scene_fluid_<k>_viscosity",
-            .kind  = VALUE_REAL,
-            .brief = "kinematic viscosity of another fluid; must be given",
-            .unit  = "m^2/s",
+            .name     = "-scene_fluid_<k>_viscosity",
+            .kind     = VALUE_REAL,
+            .brief    = "kinematic viscosity of another fluid",
+            .unit     = "m^2/s",
+            .standard = "-viscosity; must be given unless a density or a tension is",
+            POSITIVE,
+            .where = "-case scene, fluids that are given",
+        },
+    [FLUID_DENSITY] =
+        {
+            .name     = "-scene_fluid_<k>_density",
+            .kind     = VALUE_REAL,
+            .brief    = "density of another fluid",
+            .unit     = "kg/m^3",
+            .standard = "-density",
+            POSITIVE,
+            .where = "-case scene, fluids that are given",
+        },
+    [FLUID_TENSION] =
+        {
+            .name     = "-scene_fluid_<k>_tension",
+            .kind     = VALUE_REAL,
+            .brief    = "tension of the surface between this fluid and all others; it meets walls "
+                        "at 90 degrees",
+            .unit     = "N/m",
+            .standard = "0",
             POSITIVE,
             .where = "-case scene, fluids that are given",
         },
@@ -186,6 +219,30 @@ static PetscErrorCode ReadFilled(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads the properties of fluid k. */
+static PetscErrorCode ReadFluid(PetscInt k, Scene *scene)
+{
+  PetscReal *nu  = &scene->region_nu[k - 1];
+  PetscReal  rho = scene->rho;
+  PetscBool  viscous, dense, tense;
+  char       name[OPTION_LENGTH];
+  OptionRow  row;
+
+  PetscFunctionBegin;
+  OptionNumber(&options[FLUID_DENSITY], k, name, &row);
+  PetscCall(OptionGetReal(&row, &rho, &dense));
+  OptionNumber(&options[FLUID_TENSION], k, name, &row);
+  PetscCall(OptionGetReal(&row, &scene->region_tension[k - 1], &tense));
+  OptionNumber(&options[FLUID_VISCOSITY], k, name, &row);
+  *nu = scene->nu;
+  PetscCall(OptionGetReal(&row, nu, &viscous));
+  UserCheck(viscous || dense || tense, "%s: the fluid's kinematic viscosity is required [m^2/s]",
+            name);
+  scene->region_density[k - 1] = rho / scene->rho;
+  *nu *= scene->region_density[k - 1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads fluids 1, 2, ... and the viscosity elsewhere. */
 static PetscErrorCode ReadFluids(Scene *scene)
 {
@@ -197,15 +254,9 @@ static PetscErrorCode ReadFluids(Scene *scene)
                     EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS | EXPRESSION_STRAIN,
                     &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
-    PetscReal *nu = &scene->region_nu[scene->n_regions];
-    char       name[OPTION_LENGTH];
-    OptionRow  row;
-
     PetscCall(ShapeRead(scene, &options[FLUID], k, -1, &scene->region[scene->n_regions], &given));
     if (!given) break;
-    OptionNumber(&options[FLUID_VISCOSITY], k, name, &row);
-    PetscCall(OptionGetReal(&row, nu, &given));
-    UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", name);
+    PetscCall(ReadFluid(k, scene));
     scene->n_regions++;
   }
   PetscCall(ShapeCheckNumbers(&options[FLUID], scene->n_regions, SCENE_MAX_FLUIDS));

@@ -155,9 +155,9 @@ static ISPH_INLINE void AddPoint(PetscInt dim, const Splines *s, PetscInt g, con
   AddRegular(dim, b, d, weighted, to);
 }
 
-/* Adds the integrals of the velocity in f->value to the window. Inlined, so that the compiler knows
-   the dimension. */
-static ISPH_INLINE void IntegrateInline(PetscInt dim, Splines *s)
+/* Adds the integrals of a field with values `field` at the points, or of the velocity in f->value,
+   to the window. Inlined, so that the compiler knows the dimension. */
+static ISPH_INLINE void IntegrateInline(PetscInt dim, Splines *s, const PetscReal field[])
 {
   const SplineWindow *w  = &s->window;
   SplineBlockSum      to = {.row = w->n[0], .plane = dim == 3 ? w->n[0] * w->n[1] : 0};
@@ -165,16 +165,29 @@ static ISPH_INLINE void IntegrateInline(PetscInt dim, Splines *s)
   for (PetscInt g = 0; g < s->inside.n; g++) {
     PetscReal u[ISPH_MAX_DIM];
 
-    Velocity(dim, &s->fits, g, u);
+    if (!field) Velocity(dim, &s->fits, g, u);
+    for (PetscInt a = 0; field && a < dim; a++) u[a] = field[dim * g + a];
     to.value = w->value + s->inside_at.base[g];
     AddPoint(dim, s, g, u, to);
   }
 }
 
-static ISPH_WIDE void IntegrateWide(Splines *s)
+static ISPH_WIDE void IntegrateWide(Splines *s, const PetscReal field[])
 {
-  if (s->lattice.dim == 2) IntegrateInline(2, s);
-  else IntegrateInline(3, s);
+  if (s->lattice.dim == 2) IntegrateInline(2, s, field);
+  else IntegrateInline(3, s, field);
+}
+
+/* SplinesIntegrateField - Computes the integrals of SplinesIntegrate() of a field whose component a
+   at point g is u[g dim + a]; collective */
+PetscErrorCode SplinesIntegrateField(Splines *s, const PetscReal u[], Vec d)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(s->window.value, s->window.size));
+  IntegrateWide(s, u);
+  PetscCall(SplineWindowSum(&s->window, d));
+  PetscCall(VecScale(d, s->scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -188,10 +201,7 @@ PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d)
 {
   PetscFunctionBegin;
   PetscCall(ParticlesHaloVectors(p, s->fits.value));
-  PetscCall(PetscArrayzero(s->window.value, s->window.size));
-  IntegrateWide(s);
-  PetscCall(SplineWindowSum(&s->window, d));
-  PetscCall(VecScale(d, s->scale));
+  PetscCall(SplinesIntegrateField(s, NULL, d));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

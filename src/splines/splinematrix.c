@@ -31,6 +31,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   s = factors->splines;
   p = factors->particles;
   PetscCall(SplinesGradient(s, x, s->fits.value));
+  SplineMixtureLighten(s, p->dim, s->fits.value);
   if (s->cut[0]) {
     PetscCall(MatMult(s->cut[1], s->cut_gradient, y));
     PetscCall(VecScale(y, -PetscSqr(s->scale)));
@@ -87,6 +88,7 @@ static PetscErrorCode GradientMat(const Splines *s, const Particles *p, Mat *G)
     }
   }
   PetscCall(SplineMatFinish(*G));
+  PetscCall(SplineMixtureLightenRows(s, p, *G));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,7 +164,7 @@ static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, M
   SplinesBlocks - Creates the matrices of gradient and divergence for the present particles, with
   interlaced components of the velocity
 
-    G p = grad p,   D u = d of SplinesDivergence() without the terms of walls   [1/m]
+    G p = rho_0/rho grad p,   D u = d of SplinesDivergence() without the terms of walls   [1/m]
 
   Collective. Rows of splines that are no unknowns are empty; columns are not if a side gives their
   number.
@@ -413,7 +415,7 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
   PetscCall(SplinesCutFree(s));
-  if (!ops->strain || !p->fluid) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!ops->strain || !p->fluid || SceneMixes(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
                            &cells));
   PetscCall(PetscArraycpy(cells->mass, ops->strain->mass, p->n_fluid));

@@ -279,6 +279,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
   s->epoch = p->epoch;
   s->moved = p->moved;
   s->assemblies++;
+  PetscCall(SplinesMix(flow, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,6 +289,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscFunctionBegin;
   PetscCall(FreeNumbered(s));
   PetscCall(SplineFitsFree(&s->fits));
+  PetscCall(SplineMixtureFree(&s->mixture));
   PetscCall(SplinePlacesFree(&s->at));
   PetscCall(SplinePlacesFree(&s->inside_at));
   PetscCall(SplineBodiesDestroy(&s->bodies));

@@ -216,6 +216,18 @@ typedef struct {
 /* Points of Gauss from the centre of a cell, over its edge: 1/(2 sqrt(3)). */
 #define GAUSS 0.28867513459481287
 
+/* Fluids of several densities, see splinemixture.c. */
+typedef struct {
+  Vec        volume;    /* W of splines [m^dim] */
+  Vec        share;     /* work: of a fluid in splines [-] */
+  Vec        potential; /* work: of the forces of its surface [Pa] */
+  Vec        density;   /* of splines, over that of fluid 0; NULL: uniform [-] */
+  Vec        all;       /* work: numbers of all splines on each rank */
+  VecScatter collect;
+  PetscReal *lightness; /* of own particles, 1 over their density; NULL: uniform [-] */
+  PetscInt   numbering; /* stamp of the vectors */
+} SplineMixture;
+
 struct Splines {
   SplineLattice    lattice;   /* with the splines psi_q of the divergence */
   SplineLattice    pressure;  /* the same with the splines chi_q of the pressure */
@@ -241,9 +253,10 @@ struct Splines {
   Vec *jumps;             /* coefficients of the jump in each [Pa] */
   Mat  A;                 /* -scale^2 D G; a shell for moving particles */
 
-  SplineWindow window;
-  SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
-  SplineFits   fits;
+  SplineWindow  window;
+  SplinePlaces  at, inside_at; /* chi_q at particles, psi_q at points inside */
+  SplineFits    fits;
+  SplineMixture mixture;
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
@@ -326,6 +339,7 @@ PetscErrorCode SplinePointPlacesSet(Splines *s);
 PetscErrorCode SplinePlacesFree(SplinePlaces *at);
 PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
+PetscErrorCode SplinesGradientAtPoints(Splines *s, Vec p, PetscReal gradient[]);
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
 /* splinefits.c, splineintegrals.c */
@@ -333,6 +347,7 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplineFitsFree(SplineFits *fits);
 PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
 PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d);
+PetscErrorCode SplinesIntegrateField(Splines *s, const PetscReal u[], Vec d);
 PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T);
 
 /* splines.c, splinestiffness.c */
@@ -341,6 +356,7 @@ PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const Pets
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
+PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p);
 PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A);
 PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
@@ -354,6 +370,14 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
+
+/* splinemixture.c */
+PetscErrorCode SplinesMix(Flow *flow, Splines *s);
+PetscErrorCode SplineMixtureFree(SplineMixture *m);
+PetscReal      SplineMixtureAt(const Splines *s, const Particles *p, const PetscScalar all[],
+                               const PetscReal x[]);
+void           SplineMixtureLighten(const Splines *s, PetscInt dim, PetscReal gradient[]);
+PetscErrorCode SplineMixtureLightenRows(const Splines *s, const Particles *p, Mat rows);
 
 /* splineinverse.c */
 typedef struct SplineInverse SplineInverse;

@@ -20,9 +20,10 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
   PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
   PetscCall(SplineExtensionCreate(&s->lattice, s->bodies, &s->extension));
-  s->pressure        = s->lattice;
-  s->pressure.degree = degree == 4 && !s->bodies && !SplineSideGives(&s->lattice) ? 3 : 2;
-  s->scale           = 1.0;
+  s->pressure = s->lattice;
+  s->pressure.degree =
+      degree == 4 && !s->bodies && !SceneMixes(scene) && !SplineSideGives(&s->lattice) ? 3 : 2;
+  s->scale = 1.0;
   for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
   s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
   PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));

@@ -93,8 +93,10 @@ static PetscReal PointOf(const Splines *s, PetscInt c, PetscInt corner, PetscInt
   return (only < 0 ? inside : corner == only && !inside) ? weight : 0.0;
 }
 
-/* Integrates the products of the splines over points of a cell. */
-static void Integrate(const Splines *s, PetscInt c, PetscInt only, Element *e)
+/* Integrates the products of the splines over points of a cell; those of gradients over the
+   density. Input: density - of all splines; NULL: uniform. */
+static void Integrate(const Splines *s, const Particles *p, PetscInt c, PetscInt only,
+                      const PetscScalar density[], Element *e)
 {
   const SplineLattice *l = &s->lattice;
   const PetscInt       n = SplinesAtPoint(l);
@@ -103,16 +105,18 @@ static void Integrate(const Splines *s, PetscInt c, PetscInt only, Element *e)
   for (PetscInt corner = 0; corner < 1 << l->dim; corner++) {
     PetscReal       x[ISPH_MAX_DIM];
     const PetscReal weight = PointOf(s, c, corner, only, x);
+    PetscReal       rho    = 1.0;
     SplineValues    at;
 
     SplinesAt(l, x, &at);
+    if (density) rho = SplineMixtureAt(s, p, density, x);
     for (PetscInt k = 0; k < n; k++) {
       e->mass[corner][k] = weight * at.value[k];
       for (PetscInt m = 0; weight > 0.0 && m < n; m++) {
         PetscReal sum = 0.0;
 
         for (PetscInt a = 0; a < l->dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
-        e->K[k][m] += weight * PetscSqr(s->scale) * sum;
+        e->K[k][m] += weight * PetscSqr(s->scale) * sum / rho;
         e->M[k][m] += weight * at.value[k] * at.value[m];
       }
     }
@@ -136,7 +140,7 @@ static void ExtendRow(PetscInt n, const Element *e, PetscInt f,
 /* Adds the products of the splines at points of a cell to the rows of own splines: the stiffness
    and, unless it is NULL, M, the integrals of products of values; adds their values to the mass. */
 static PetscErrorCode AddPoints(Splines *s, const Particles *p, PetscInt c, PetscInt only,
-                                Element *e, Mat M, PetscReal mass[])
+                                const PetscScalar density[], Element *e, Mat M, PetscReal mass[])
 {
   const PetscInt n = SplinesAtPoint(&s->lattice), points = 1 << s->lattice.dim;
   PetscInt       first = PetscMax(only, 0);
@@ -148,7 +152,7 @@ static PetscErrorCode AddPoints(Splines *s, const Particles *p, PetscInt c, Pets
   if (first == points) PetscFunctionReturn(PETSC_SUCCESS);
   SplinesAt(&s->lattice, x, &at);
   if (!ListParts(s, p, &at, e)) PetscFunctionReturn(PETSC_SUCCESS);
-  Integrate(s, c, only, e);
+  Integrate(s, p, c, only, density, e);
   for (PetscInt f = 0; f < e->n; f++) {
     if (!e->own[f]) continue;
     for (PetscInt k = 0; k < n * points; k++)
@@ -164,7 +168,8 @@ static PetscErrorCode AddPoints(Splines *s, const Particles *p, PetscInt c, Pets
 }
 
 /* Adds the products of the splines in all cells. */
-static PetscErrorCode AddCells(Splines *s, const Particles *p, Mat M, PetscReal mass[])
+static PetscErrorCode AddCells(Splines *s, const Particles *p, const PetscScalar density[], Mat M,
+                               PetscReal mass[])
 {
   PetscInt cells = 1;
   Element *e;
@@ -176,7 +181,7 @@ static PetscErrorCode AddCells(Splines *s, const Particles *p, Mat M, PetscReal 
     const PetscInt outside = s->bodies && s->bodies->cut[c] >= 0 ? 1 << s->lattice.dim : 0;
 
     for (PetscInt only = -1; only < outside; only++)
-      PetscCall(AddPoints(s, p, c, only, e, M, mass));
+      PetscCall(AddPoints(s, p, c, only, density, e, M, mass));
   }
   PetscCall(PetscFree(e));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,7 +255,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   PetscCall(PetscMalloc1(b->size, &s->unused));
   s->n_unused = 0;
   PetscCall(PetscCalloc1(b->size, &mass));
-  PetscCall(AddCells(s, p, M, mass));
+  PetscCall(AddCells(s, p, NULL, M, mass));
   for (PetscInt k = 0; k < b->size; k++) {
     PetscInt index[ISPH_MAX_DIM];
 
@@ -274,5 +279,31 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   else PetscCall(MatDestroy(&M));
   PetscCall(VecAssemblyBegin(s->mass));
   PetscCall(VecAssemblyEnd(s->mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineStiffnessFollow - Assembles the stiffness with the present densities, int scale^2/rho
+   grad psi . grad psi; collective */
+PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p)
+{
+  SplineMixture     *m = &s->mixture;
+  const PetscScalar *density;
+  PetscReal         *mass;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(s->own.size, &mass));
+  PetscCall(VecScatterBegin(m->collect, m->density, m->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(m->collect, m->density, m->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(m->all, &density));
+  PetscCall(MatZeroEntries(s->K));
+  PetscCall(AddCells(s, p, density, NULL, mass));
+  PetscCall(VecRestoreArrayRead(m->all, &density));
+  for (PetscInt k = 0; k < s->n_unused; k++) {
+    const PetscInt row = s->own.start + s->unused[k];
+
+    PetscCall(MatSetValue(s->K, row, row, 1.0, ADD_VALUES));
+  }
+  PetscCall(SplineMatFinish(s->K));
+  PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

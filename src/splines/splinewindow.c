@@ -294,7 +294,18 @@ PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesAccelerate - Adds factor times SplinesGradient() to the components of a vector field over
+/* SplinesGradientAtPoints - Computes sum_q p_q grad psi_q at the points of quadrature [1/m]:
+   component a at point g at [g dim + a]; collective */
+PetscErrorCode SplinesGradientAtPoints(Splines *s, Vec p, PetscReal gradient[])
+{
+  PetscFunctionBegin;
+  PetscCall(Collect(&s->window, p));
+  if (s->lattice.dim == 2) EvaluateInline(2, 2, &s->window, &s->inside_at, NULL, gradient);
+  else EvaluateInline(3, 2, &s->window, &s->inside_at, NULL, gradient);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesAccelerate - Adds factor times SplinesGradient(), over the density of particles, to the components of a vector field over
    fluid; collective. The fits' work array holds the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
@@ -302,6 +313,7 @@ PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec 
 
   PetscFunctionBegin;
   PetscCall(SplinesGradient(s, p, s->fits.value));
+  SplineMixtureLighten(s, s->lattice.dim, s->fits.value);
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(VecGetArray(u[a], &v));
     for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[s->lattice.dim * i + a];

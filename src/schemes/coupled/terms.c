@@ -13,7 +13,7 @@ PetscErrorCode CoupledForce(Coupled *c)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
-  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
+  PetscCall(AddBodyForce(flow, c->end, c->force));
   if (flow->state->has_convection && !flow->clock->steady_solve)
     PetscCall(ConvectionExtrapolate(flow, 1.0, c->force));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -35,7 +35,7 @@ PetscErrorCode CoupledSecondForce(Coupled *c, PetscReal first, PetscReal weight)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
-  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
+  PetscCall(AddBodyForce(flow, c->end, c->force));
   for (PetscInt a = 0; s->has_convection && a < flow->scene->dim; a++) {
     PetscCall(ConvectionExplicit(flow, first, s->u_next, a, c->work, c->part));
     PetscCall(VecAXPY(c->force[a], weight - 1.0, s->convection_prev[a]));

@@ -78,7 +78,7 @@ PetscErrorCode ProjectionStart(Flow *flow)
       PetscCall(FlowGetWork(flow, &force[a]));
       PetscCall(VecZeroEntries(force[a]));
     }
-    if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, t, force));
+    PetscCall(AddBodyForce(flow, t, force));
     PetscCall(SolveFirst(flow, force, pr));
     pr->wall_slope_share = 1.0;
     PetscCall(pr->space->Begin(flow));

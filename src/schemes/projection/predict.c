@@ -13,9 +13,9 @@ PetscErrorCode ProjectionForce(Flow *flow, PetscReal t, Vec force[])
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecZeroEntries(force[a]));
   if (pr->row && pr->row->incremental)
     PetscCall(pr->space->Accelerate(flow, PETSC_FALSE, -1.0 / scene->rho, force));
-  if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AddBodyForce(flow, t, force));
-  if (pr->row && pr->row->incremental) PetscCall(NoteUnbalancedForce(flow, force));
+  if (SceneHas(scene, PHYSICS_BODY_FORCE) && pr->row && pr->row->incremental)
+    PetscCall(NoteUnbalancedForce(flow, force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -185,8 +185,13 @@ static PetscErrorCode GetMatrices(Flow *flow, Pressure *s, PressureMatrices *m)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(SplinesMatrix(flow->particles, sp));
-  if (s->direct) *m = (PressureMatrices){sp->A, sp->A, PETSC_TRUE, sp->assemblies, sp->assemblies};
-  else *m = (PressureMatrices){sp->A, sp->K, PETSC_TRUE, sp->assemblies, sp->numbering};
+  *m = (PressureMatrices){
+      .A          = sp->A,
+      .P          = s->direct ? sp->A : sp->K,
+      .lasting    = PETSC_TRUE,
+      .assemblies = sp->assemblies,
+      .numbering  = s->direct || sp->mixture.lightness ? sp->assemblies : sp->numbering,
+  };
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -68,7 +68,7 @@ static PetscBool TakesTensor(const Splines *sp)
 {
   PetscInt sum = 0;
 
-  if (!sp || sp->bodies) return PETSC_FALSE;
+  if (!sp || sp->bodies || SceneMixes(sp->lattice.scene)) return PETSC_FALSE;
   for (PetscInt a = 0; a < sp->lattice.dim; a++) {
     if (sp->lattice.cells[a] < 2) return PETSC_FALSE;
     sum += sp->lattice.count[a];

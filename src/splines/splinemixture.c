@@ -1,0 +1,341 @@
+/*
+  Fluids of different density, and the tension of their interfaces, in a pressure on splines.
+
+  A smooth pressure has no kink at an interface, where its gradient jumps from rho_1 a to rho_2 a.
+  So the inertia of particles is the mean density of the splines, and weights act where the
+  pressure can balance them: with the shares C^k of fluid k,
+
+    C^k_q = sum_i V_i c^k_i psi_q(x_i)/W_q,  W_q = sum_i V_i psi_q(x_i),  rho_q = sum_k rho_k C^k_q
+    rho(x_i) du_i/dt = -grad p + rho_i f - sum_k sum_q L^k_q (c^k_i - C^k_q) grad psi_q(x_i) + ...
+    L^k_q = 1/W_q d/dC^k_q (sigma_k int |grad C^k| dV) - (rho_k - rho_0) f.(y_q - x_q)
+
+  c^k_i is 1 in fluid k, otherwise 0; y_q is the point of the surface C^k = 1/2 nearest to the centre
+  x_q of a spline. The first term of L is the derivative of an energy, tension times area; the
+  second moves the weight of fluid k, in excess of fluid 0, onto its surface. A constant L^k has the
+  force L^k grad C^k, which the gradient of a spline balances exactly: so have a round drop and
+  layers at rest. In fluids far from interfaces the force is rho_k f.
+
+  Source: the weight of the reduced pressure, and the area as in K. A. Brakke, Exp. Math. 1 (1992)
+  141-165; docs/theory.md, (498)-(500).
+*/
+#include "splines.h"
+
+#define SHARE_LEAST 1e-9 /* of a fluid in a spline: below it the spline has one fluid */
+#define MARCH       0.25 /* step of the search for a surface [edges of a cell] */
+#define MARCHES     16
+#define BISECTIONS  48
+#define SLOPE_LEAST 1e-2 /* gradients of shares below it have no direction [1/edge of a cell] */
+
+/* SplineMixtureFree - Frees the mixture; collective */
+PetscErrorCode SplineMixtureFree(SplineMixture *m)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&m->volume));
+  PetscCall(VecDestroy(&m->share));
+  PetscCall(VecDestroy(&m->density));
+  PetscCall(VecDestroy(&m->potential));
+  PetscCall(VecDestroy(&m->all));
+  PetscCall(VecScatterDestroy(&m->collect));
+  PetscCall(PetscFree(m->lightness));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateVectors(const Splines *s, SplineMixture *m)
+{
+  PetscFunctionBegin;
+  PetscCall(SplineMixtureFree(m));
+  PetscCall(VecDuplicate(s->mass, &m->volume));
+  PetscCall(VecDuplicate(s->mass, &m->share));
+  PetscCall(VecDuplicate(s->mass, &m->density));
+  PetscCall(VecDuplicate(s->mass, &m->potential));
+  PetscCall(VecScatterCreateToAll(s->mass, &m->collect, &m->all));
+  m->numbering = s->numbering;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the sums of V_i psi_q(x_i) over the particles of a fluid, over all if it is negative. */
+static PetscErrorCode SumVolumes(const Particles *p, Splines *s, PetscInt fluid, Vec sum)
+{
+  SplineWindow       *w     = &s->window;
+  const SplinePlaces *at    = &s->at;
+  const PetscInt      plane = p->dim == 3 ? w->n[0] * w->n[1] : 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(w->value, w->size));
+  for (PetscInt i = 0; i < at->n; i++) {
+    PetscReal b[ISPH_MAX_DIM][SPLINES_ALONG] = {{0.0}}, slope[SPLINES_ALONG];
+
+    if (fluid >= 0 && (PetscInt)p->fluid[i] != fluid) continue;
+    for (PetscInt a = 0; a < p->dim; a++)
+      SplineBasis(2, at->t[a][i], at->per_edge[a][i], b[a], slope);
+    if (p->dim == 2) b[2][0] = 1.0;
+    for (PetscInt k = 0; k < (p->dim == 3 ? 27 : 9); k++)
+      w->value[at->base[i] + k / 9 * plane + k / 3 % 3 * w->n[0] + k % 3] +=
+          ParticlesWeight(p, i) * p->cell_volume * b[0][k % 3] * b[1][k / 3 % 3] * b[2][k / 9];
+  }
+  PetscCall(SplineWindowSum(w, sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the share of a fluid in all splines, and keeps all of them on each rank. */
+static PetscErrorCode SetShare(const Particles *p, PetscInt fluid, Splines *s)
+{
+  SplineMixture *m = &s->mixture;
+
+  PetscFunctionBegin;
+  PetscCall(SumVolumes(p, s, fluid, m->share));
+  PetscCall(VecPointwiseDivide(m->share, m->share, m->volume));
+  PetscCall(VecScatterBegin(m->collect, m->share, m->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(m->collect, m->share, m->all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the sum of the splines at a point, and computes its gradient. */
+static PetscReal ValueAt(const Splines *s, const Particles *p, const PetscScalar all[],
+                         const PetscReal x[], PetscReal gradient[])
+{
+  PetscReal sum = 0.0;
+  SplineRow at;
+
+  SplineRowAt(s, &s->lattice, p, x, &at);
+  for (PetscInt a = 0; a < p->dim; a++) gradient[a] = 0.0;
+  for (PetscInt k = 0; k < at.n; k++) {
+    sum += at.value[k] * all[at.number[k]];
+    for (PetscInt a = 0; a < p->dim; a++) gradient[a] += at.gradient[a][k] * all[at.number[k]];
+  }
+  return sum;
+}
+
+/* SplineMixtureAt - Returns the sum at a point of splines whose numbers are all on this rank; not
+   collective */
+PetscReal SplineMixtureAt(const Splines *s, const Particles *p, const PetscScalar all[],
+                          const PetscReal x[])
+{
+  PetscReal ignored[ISPH_MAX_DIM];
+
+  return ValueAt(s, p, all, x, ignored);
+}
+
+/* SplineMixtureLighten - Divides the gradients of a pressure at own particles by their densities;
+   not collective */
+void SplineMixtureLighten(const Splines *s, PetscInt dim, PetscReal gradient[])
+{
+  const PetscReal *lightness = s->mixture.lightness;
+
+  for (PetscInt i = 0; lightness && i < s->at.n; i++)
+    for (PetscInt a = 0; a < dim; a++) gradient[dim * i + a] *= lightness[i];
+}
+
+/* SplineMixtureLightenRows - Divides the rows of the velocities of particles by their densities;
+   collective */
+PetscErrorCode SplineMixtureLightenRows(const Splines *s, const Particles *p, Mat rows)
+{
+  PetscScalar *to;
+  Vec          scale;
+
+  PetscFunctionBegin;
+  if (!s->mixture.lightness || !rows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(rows, NULL, &scale));
+  PetscCall(VecGetArrayWrite(scale, &to));
+  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = s->mixture.lightness[r / p->dim];
+  PetscCall(VecRestoreArrayWrite(scale, &to));
+  PetscCall(MatDiagonalScale(rows, scale, NULL));
+  PetscCall(VecDestroy(&scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves a point along the gradient of the share to the surface on which it is a half; returns false
+   if there is none near it. */
+static PetscBool MoveToSurface(const Splines *s, const Particles *p, const PetscScalar all[],
+                               PetscReal x[])
+{
+  PetscReal       n[ISPH_MAX_DIM], ignored[ISPH_MAX_DIM], from[ISPH_MAX_DIM], size = 0.0;
+  PetscReal       low = 0.0, high = 0.0;
+  const PetscReal start = ValueAt(s, p, all, x, n) - 0.5;
+
+  for (PetscInt a = 0; a < p->dim; a++) {
+    size += n[a] * n[a];
+    from[a] = x[a];
+  }
+  if (size == 0.0) return PETSC_FALSE;
+  for (PetscInt a = 0; a < p->dim; a++) n[a] *= (start > 0.0 ? -1.0 : 1.0) / PetscSqrtReal(size);
+  for (PetscInt k = 0; k < MARCHES + BISECTIONS; k++) {
+    const PetscReal d = k < MARCHES ? low + MARCH * s->scale : 0.5 * (low + high);
+
+    if (k < MARCHES && high > 0.0) continue;
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = from[a] + d * n[a];
+    if ((ValueAt(s, p, all, x, ignored) - 0.5) * start > 0.0) low = d;
+    else high = d;
+    if (k == MARCHES - 1 && high == 0.0) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Sets the potential L of a fluid to the derivative of its energy, tension times area, and adds the
+   energy [J]. */
+static PetscErrorCode SetTension(const Particles *p, PetscReal sigma, Splines *s, PetscReal *energy)
+{
+  SplineMixture  *m     = &s->mixture;
+  const PetscReal least = SLOPE_LEAST / s->scale;
+  PetscReal      *n;
+  PetscScalar     area;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(m->potential));
+  if (sigma == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(p->dim * s->inside.n, &n));
+  PetscCall(SplinesGradientAtPoints(s, m->share, n));
+  for (PetscInt g = 0; g < s->inside.n; g++) {
+    PetscReal size = PetscSqr(least);
+
+    for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(n[p->dim * g + a]);
+    for (PetscInt a = 0; a < p->dim; a++) n[p->dim * g + a] /= PetscSqrtReal(size);
+  }
+  PetscCall(SplinesIntegrateField(s, n, m->potential));
+  PetscCall(VecDot(m->share, m->potential, &area));
+  *energy += sigma * PetscRealPart(area) * PetscPowReal(s->scale, (PetscReal)(p->dim - 1));
+  PetscCall(PetscFree(n));
+  PetscCall(VecScale(m->potential, sigma * PetscPowReal(s->scale, (PetscReal)(p->dim - 1))));
+  PetscCall(VecPointwiseDivide(m->potential, m->potential, m->volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the mean of the potentials of splines around a point of the surface, with the weights
+   C (1 - C) psi: far from the surface the direction of the gradient is not sure. */
+static PetscReal MeanAt(const Splines *s, const Particles *p, const PetscScalar share[],
+                        const PetscScalar potential[], const PetscReal x[])
+{
+  PetscReal sum = 0.0, weights = 0.0;
+  SplineRow at;
+
+  SplineRowAt(s, &s->lattice, p, x, &at);
+  for (PetscInt k = 0; k < at.n; k++) {
+    const PetscReal C = share[at.number[k]], w = PetscMax(C * (1.0 - C), 0.0) * at.value[k];
+
+    sum += w * potential[at.number[k]];
+    weights += w;
+  }
+  return weights > 0.0 ? sum / weights : 0.0;
+}
+
+/* Gives splines beside the surface of a fluid the potential at its nearest point, and adds the
+   weight of the fluid in excess of fluid 0. */
+static PetscErrorCode MovePotential(const Particles *p, const PetscReal excess[], Splines *s)
+{
+  SplineMixture     *m = &s->mixture;
+  const PetscScalar *share, *all;
+  PetscScalar       *potential;
+  Vec                every;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(m->all, &every));
+  PetscCall(VecScatterBegin(m->collect, m->potential, every, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(m->collect, m->potential, every, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(m->all, &share));
+  PetscCall(VecGetArrayRead(every, &all));
+  PetscCall(VecGetArray(m->potential, &potential));
+  for (PetscInt k = 0; k < s->own.size; k++) {
+    const PetscReal C = share[s->own.start + k];
+    PetscInt        index[ISPH_MAX_DIM];
+    PetscReal       x[ISPH_MAX_DIM] = {0.0}, y[ISPH_MAX_DIM];
+
+    if (!SplineOwn(s, k, index) || C < SHARE_LEAST || C > 1.0 - SHARE_LEAST) continue;
+    SplineCentre(&s->lattice, index, x);
+    PetscCall(PetscArraycpy(y, x, p->dim));
+    if (!MoveToSurface(s, p, share, y)) continue;
+    potential[k] = MeanAt(s, p, share, all, y);
+    for (PetscInt a = 0; a < p->dim; a++) potential[k] -= excess[a] * (y[a] - x[a]);
+  }
+  PetscCall(VecRestoreArray(m->potential, &potential));
+  PetscCall(VecRestoreArrayRead(every, &all));
+  PetscCall(VecRestoreArrayRead(m->all, &share));
+  PetscCall(VecDestroy(&every));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the force of the surface of a fluid to those of particles [N/m^3]. */
+static PetscErrorCode AddSurfaceForce(const Particles *p, PetscInt fluid, Splines *s,
+                                      PetscReal force[])
+{
+  SplineMixture *m = &s->mixture;
+
+  PetscFunctionBegin;
+  PetscCall(SplinesGradient(s, m->potential, s->fits.value));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    for (PetscInt a = 0; (PetscInt)p->fluid[i] == fluid && a < p->dim; a++)
+      force[p->dim * i + a] -= s->fits.value[p->dim * i + a];
+  PetscCall(VecPointwiseMult(m->potential, m->potential, m->share));
+  PetscCall(SplinesGradient(s, m->potential, s->fits.value));
+  for (PetscInt k = 0; k < p->dim * p->n_fluid; k++) force[k] += s->fits.value[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the lightness of particles from the densities of splines. */
+static PetscErrorCode SetLightness(Flow *flow, Splines *s)
+{
+  SplineMixture     *m = &s->mixture;
+  const PetscScalar *from;
+
+  PetscFunctionBegin;
+  PetscCall(SplinesValue(s, m->density, flow->state->lightness));
+  PetscCall(VecReciprocal(flow->state->lightness));
+  PetscCall(PetscFree(m->lightness));
+  PetscCall(PetscMalloc1(s->at.n, &m->lightness));
+  PetscCall(VecGetArrayRead(flow->state->lightness, &from));
+  PetscCall(PetscArraycpy(m->lightness, from, s->at.n));
+  PetscCall(VecRestoreArrayRead(flow->state->lightness, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesMix - Computes the lightness of particles, rho_0/rho(x_i), and the forces of interfaces for
+  the present positions
+
+  Collective. Does nothing without a mixture, see SceneMixes(). Output: state->lightness [-];
+  state->interface, per unit mass: the force less f [m/s^2].
+*/
+PetscErrorCode SplinesMix(Flow *flow, Splines *s)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  SplineMixture   *m     = &s->mixture;
+  PetscReal       *force, f[ISPH_MAX_DIM] = {0.0}, energy = 0.0, mean;
+  PetscScalar     *to;
+
+  PetscFunctionBegin;
+  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowStateRenumber(flow));
+  if (m->numbering != s->numbering) PetscCall(CreateVectors(s, m));
+  if (SceneHas(scene, PHYSICS_BODY_FORCE))
+    SceneBodyForce(scene, flow->clock->t + flow->clock->dt, scene->lo, f);
+  PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
+  PetscCall(SumVolumes(p, s, -1, m->volume));
+  PetscCall(VecSet(m->density, 1.0));
+  for (PetscInt k = 1; k < SceneFluids(scene); k++) {
+    const PetscReal excess = SceneFluidDensity(scene, k) - 1.0;
+    PetscReal       weight[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) weight[a] = scene->rho * excess * f[a];
+    PetscCall(SetShare(p, k, s));
+    PetscCall(VecAXPY(m->density, excess, m->share));
+    PetscCall(SetTension(p, scene->region_tension[k - 1], s, &energy));
+    PetscCall(MovePotential(p, weight, s));
+    PetscCall(AddSurfaceForce(p, k, s, force));
+  }
+  PetscCall(SetLightness(flow, s));
+  PetscCall(VecDot(m->density, m->volume, &mean));
+  flow->state->tension_energy = 2.0 * energy / (scene->rho * mean);
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      to[i] = m->lightness[i] * (SceneFluidDensity(scene, (PetscInt)p->fluid[i]) * f[a] +
+                                 force[p->dim * i + a] / scene->rho) -
+              f[a];
+    PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
+  }
+  PetscCall(PetscFree(force));
+  PetscCall(SplineStiffnessFollow(s, p));
+  PetscCall(SplineMixtureLightenRows(s, p, flow->ops->velocity[0].visc.A));
+  PetscCall(SplineMixtureLightenRows(s, p, flow->ops->velocity[0].visc.B));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
