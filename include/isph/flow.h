@@ -399,6 +399,7 @@ PetscReal      SurfaceStep(const Scene *scene);
 PetscReal      ProjectionFreeLimit(const Scene *scene);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 PetscReal      CapillaryLimit(const Scene *scene);
+PetscReal      InterfaceLimit(const Scene *scene);
 
 /* Terms of the momentum equation. */
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);

@@ -77,6 +77,8 @@ typedef struct {
   PetscReal *p;               /* pressures of own fluid (field) [Pa]; NULL: no pressure */
   PetscReal *nu;    /* kinematic viscosities of fluid (field) [m^2/s]; NULL: uniform, scene->nu */
   PetscReal *fluid; /* number of the fluid, SceneFluidAt() (field); NULL: one fluid */
+  PetscReal *share; /* of this fluid in the particle, SceneShare() (field); NULL: all of it [-] */
+  PetscReal *other; /* number of the fluid of the rest (field) */
   PetscReal *interface; /* distance from the nearest interface of two fluids (field) [m] */
   PetscReal *interface_normal[ISPH_MAX_DIM]; /* from there into the own fluid (field); 0: beyond
                                                 INTERFACE_REACH [-] */
@@ -204,10 +206,19 @@ static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
   return p->volume[i] / p->cell_volume;
 }
 
-/* Returns the density of the fluid of particle i [kg/m^3]. */
+/* Returns the share of fluid k in particle i [-]. */
+static inline PetscReal ParticlesFluidShare(const Particles *p, PetscInt i, PetscInt k)
+{
+  if ((PetscInt)p->fluid[i] == k) return p->share[i];
+  return (PetscInt)p->other[i] == k ? 1.0 - p->share[i] : 0.0;
+}
+
+/* Returns the density of particle i [kg/m^3]. */
 static inline PetscReal ParticlesDensity(const Scene *scene, const Particles *p, PetscInt i)
 {
-  return scene->rho * (p->fluid ? SceneFluidDensity(scene, (PetscInt)p->fluid[i]) : 1.0);
+  if (!p->share) return scene->rho;
+  return scene->rho * (p->share[i] * SceneFluidDensity(scene, (PetscInt)p->fluid[i]) +
+                       (1.0 - p->share[i]) * SceneFluidDensity(scene, (PetscInt)p->other[i]));
 }
 
 /* Returns SceneMotionFactor() at the place of graded particle i, from its volume [-]. */

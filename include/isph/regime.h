@@ -41,7 +41,8 @@ typedef enum {
   FACT_WCSPH      = 1 << 26, /* -scheme wcsph */
   FACT_SUMS       = 1 << 27, /* -density_form summation */
   FACT_SHIFTS     = 1 << 28, /* -scheme wcsph shifts particles */
-  FACT_CLOUD      = 1 << 29  /* particles of several sizes are on no lattice */
+  FACT_CLOUD      = 1 << 29, /* particles of several sizes are on no lattice */
+  FACT_MIXES      = 1 << 30  /* SceneMixes() */
 } Fact;
 #define FACTS 30
 

@@ -314,7 +314,8 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
    divergence in each fluid has a penalty; not collective */
 static inline PetscBool OperatorsCutFluids(const Scene *scene, const Operators *ops)
 {
-  return SceneFluids(scene) > 1 && ops->forms.visc.row && ops->forms.visc.row->weak;
+  return SceneFluids(scene) > 1 && !SceneMixes(scene) && ops->forms.visc.row &&
+         ops->forms.visc.row->weak;
 }
 
 PetscBool OperatorsStressSurface(const Operators *ops);

@@ -295,6 +295,8 @@ PetscErrorCode     SceneReadBodies(PetscBool boxed, Scene *scene);
 const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[]);
 PetscInt           SceneFluids(const Scene *scene);
 PetscBool          SceneMixes(const Scene *scene);
+PetscErrorCode     SceneCheckMixture(const Scene *scene);
+PetscReal          SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other);
 PetscReal          SceneFluidDensity(const Scene *scene, PetscInt fluid);
 PetscInt           SceneFluidAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode     InterfacePointsCreate(const Scene *scene, InterfacePoints *points);

@@ -39,6 +39,12 @@ PetscReal ProjectionFreeLimit(const Scene *scene)
   return SceneViscosityVaries(scene) ? PETSC_INFINITY : SurfaceStep(scene);
 }
 
+/* Returns t_v + sqrt(t_v^2 + t_c^2), the longest step of waves of inertia that viscosity slows. */
+static PetscReal WaveStep(PetscReal viscous, PetscReal square)
+{
+  return viscous + PetscSqrtReal(PetscSqr(viscous) + square);
+}
+
 /*
   CapillaryLimit - Returns the longest step of moving particles with surface tension; infinity
   without it [s]
@@ -59,8 +65,43 @@ PetscReal CapillaryLimit(const Scene *scene)
 
   if (sigma == 0.0 || !SceneMoves(scene)) return PETSC_INFINITY;
   viscous = SceneHas(scene, PHYSICS_VISCOSITY) ? 0.25 * scene->rho * scene->nu * dx / sigma : 0.0;
-  return viscous +
-         PetscSqrtReal(PetscSqr(viscous) + scene->rho * dx * dx * dx / (4.0 * PETSC_PI * sigma));
+  return WaveStep(viscous, scene->rho * dx * dx * dx / (4.0 * PETSC_PI * sigma));
+}
+
+/*
+  InterfaceLimit - Returns the longest step of moving fluids of several densities, or whose
+  interfaces have a tension; infinity without them [s]
+
+    tension   t_c^2 = (rho_a + rho_b) dx^3/(4 pi sigma),    t_v = mu dx/(4 sigma)
+    weight    t_c^2 = (rho_a + rho_b) dx/(pi |rho_a - rho_b| f),   t_v = mu/(|rho_a - rho_b| f dx)
+
+  Not collective. As in CapillaryLimit(); the lightest pair of fluids and the least viscosity mu
+  count. The weight is that of gravity waves as long as two particles.
+*/
+PetscReal InterfaceLimit(const Scene *scene)
+{
+  const PetscReal dx = scene->dx;
+  const PetscReal mu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->rho * scene->nu_low : 0.0;
+  PetscReal       f = 0.0, limit = PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < scene->dim; a++) f += PetscSqr(scene->body_force[a]);
+  f = PetscSqrtReal(f);
+  for (PetscInt k = 1; SceneMixes(scene) && k < SceneFluids(scene); k++) {
+    const PetscReal sigma = scene->region_tension[k - 1];
+
+    for (PetscInt m = 0; m < k; m++) {
+      const PetscReal a      = scene->rho * SceneFluidDensity(scene, k);
+      const PetscReal b      = scene->rho * SceneFluidDensity(scene, m),
+                      weight = PetscAbsReal(a - b) * f;
+
+      if (sigma > 0.0)
+        limit = PetscMin(limit, WaveStep(0.25 * mu * dx / sigma,
+                                         (a + b) * dx * dx * dx / (4.0 * PETSC_PI * sigma)));
+      if (weight > 0.0)
+        limit = PetscMin(limit, WaveStep(mu / (weight * dx), (a + b) * dx / (PETSC_PI * weight)));
+    }
+  }
+  return limit;
 }
 
 /* Returns the largest speed of the surface of a body that moves, at time t [m/s]. */
@@ -108,6 +149,7 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionBegin;
   StepLimitLower(limit, clock->dt_max, "-dt_max");
   StepLimitLower(limit, CapillaryLimit(scene), "surface tension");
+  StepLimitLower(limit, InterfaceLimit(scene), "waves of interfaces");
   if (scene->pose)
     StepLimitLower(limit, way / BodySpeed(scene, clock->t + clock->dt), "the motion of bodies");
   if (!clock->adapt->follows) {

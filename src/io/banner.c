@@ -297,6 +297,30 @@ static PetscErrorCode BannerTension(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints densities and tensions of fluids, and the longest step of waves of their interfaces. */
+static PetscErrorCode BannerFluids(const Flow *flow, PetscViewer viewer)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal limit = InterfaceLimit(scene);
+
+  PetscFunctionBegin;
+  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < SceneFluids(scene); k++) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, BANNER_LABEL "%" PetscInt_FMT ": rho = %.6g kg/m^3, mu = %.3g Pa s", "fluid", k,
+        (double)(scene->rho * SceneFluidDensity(scene, k)),
+        (double)(scene->rho * SceneFluidViscosity(scene, k, NULL))));
+    if (k && scene->region_tension[k - 1] > 0.0)
+      PetscCall(PetscViewerASCIIPrintf(viewer, ", sigma = %.6g N/m",
+                                       (double)scene->region_tension[k - 1]));
+    if (k == SceneFluids(scene) - 1 && limit < PETSC_INFINITY)
+      PetscCall(PetscViewerASCIIPrintf(viewer, "; dt = %.3g of that of waves (%.3g s)",
+                                       (double)(flow->clock->dt / limit), (double)limit));
+    PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the stages of a step. */
 static PetscErrorCode BannerStages(const Scheme *scheme, PetscViewer viewer)
 {
@@ -377,6 +401,7 @@ PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscView
   PetscCall(RegimeView(flow->scene->regime, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerTension(flow, viewer));
+  PetscCall(BannerFluids(flow, viewer));
   PetscCall(BannerForms(flow, viewer));
   PetscCall(BannerScheme(flow, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));

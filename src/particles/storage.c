@@ -152,7 +152,11 @@ static void FieldBounds(const Scene *scene, const Particles *p, const Field *fie
   *high = PETSC_MAX_REAL;
   if (field->slot == &p->volume) *low = PETSC_MACHINE_EPSILON * p->cell_volume;
   if (field->slot == &p->nu || field->slot == &p->interface) *low = 0.0;
-  if (field->slot == &p->fluid) {
+  if (field->slot == &p->share) {
+    *low  = 0.0;
+    *high = 1.0;
+  }
+  if (field->slot == &p->fluid || field->slot == &p->other) {
     *low  = 0.0;
     *high = (PetscReal)SceneFluids(scene) - 1.0;
   }

@@ -33,6 +33,32 @@ PetscBool SceneMixes(const Scene *scene)
   return PETSC_FALSE;
 }
 
+/* SceneCheckMixture - Refuses scenes in which fluids of several densities, or interfaces with a
+   tension, have no equations; not collective */
+PetscErrorCode SceneCheckMixture(const Scene *scene)
+{
+  const char fluids[] = "fluids of several densities, or with a tension,";
+
+  PetscFunctionBegin;
+  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(SceneMoves(scene) && SceneHas(scene, PHYSICS_PRESSURE),
+            "-scene_fluid_1_density: %s move with their particles, and need a pressure; use "
+            "-motion lagrangian, and no -without pressure",
+            fluids);
+  UserCheck(!SceneHasFreeSurface(scene),
+            "-scene_fluid_1_density: %s have no free surface yet; let a fluid of small density "
+            "fill the box",
+            fluids);
+  UserCheck(!SceneHasOpenings(scene),
+            "-scene_fluid_1_density: %s have no inflows, outflows or given pressures yet", fluids);
+  UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
+            "-scene_fluid_1_density: %s have one size of particles; leave out -spacing_ options",
+            fluids);
+  UserCheck(!scene->force.n, "-body_force: %s need numbers, as their weight acts on the interface",
+            fluids);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SceneFluidDensity - Returns the density of a fluid over that of fluid 0 [-]; not collective */
 PetscReal SceneFluidDensity(const Scene *scene, PetscInt fluid)
 {
@@ -252,6 +278,40 @@ static PetscBool InterfaceCuts(const Scene *scene, const PetscReal x[])
   return PETSC_FALSE;
 }
 
+/* Computes sample s of the lattice cell around x. */
+static void SampleOf(const Scene *scene, const PetscReal x[], PetscInt s, PetscReal y[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    y[a] = x[a] + SceneCellSide(scene, a) * ((s % SAMPLES + 0.5) / SAMPLES - 0.5);
+    s /= SAMPLES;
+  }
+}
+
+/*
+  SceneShare - Returns the share of the fluid at x in the fluid part of the lattice cell around x [-]
+
+  Not collective. Output: other - the fluid that has the largest part of the rest.
+*/
+PetscReal SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other)
+{
+  const PetscInt samples                     = SAMPLES * SAMPLES * (scene->dim == 3 ? SAMPLES : 1);
+  const PetscInt own                         = SceneFluidAt(scene, x);
+  PetscInt       count[SCENE_MAX_FLUIDS + 1] = {0};
+
+  *other = own;
+  if (!InterfaceCuts(scene, x)) return 1.0;
+  for (PetscInt s = 0; s < samples; s++) {
+    PetscReal y[ISPH_MAX_DIM];
+
+    SampleOf(scene, x, s, y);
+    if (IsInFluid(scene, y)) count[SceneFluidAt(scene, y)]++;
+  }
+  for (PetscInt k = 0; k < SceneFluids(scene); k++)
+    if (k != own && count[k] > (*other == own ? 0 : count[*other])) *other = k;
+  if (*other == own) return 1.0;
+  return (PetscReal)count[own] / (PetscReal)(count[own] + count[*other]);
+}
+
 /*
   SceneViscosity - Returns the kinematic viscosity of a particle that starts at x [m^2/s]
 
@@ -279,12 +339,8 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
   if (!InterfaceCuts(scene, x)) return SceneViscosityAt(scene, x);
   for (PetscInt s = 0; s < samples; s++) {
     PetscReal y[ISPH_MAX_DIM];
-    PetscInt  index = s;
 
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      y[a] = x[a] + SceneCellSide(scene, a) * ((index % SAMPLES + 0.5) / SAMPLES - 0.5);
-      index /= SAMPLES;
-    }
+    SampleOf(scene, x, s, y);
     if (!IsInFluid(scene, y)) continue;
     sum += 1.0 / SceneViscosityAt(scene, y);
     n++;

@@ -93,6 +93,7 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
   RegimeSetFact(r, FACT_FLUIDS, SceneFluids(scene) > 1);
+  RegimeSetFact(r, FACT_MIXES, SceneMixes(scene));
   r->number[NUMBER_CELL]     = cell;
   r->number[NUMBER_CONTRAST] = scene->nu_low > 0.0 ? scene->nu_high / scene->nu_low : 1.0;
   *regime                    = r;

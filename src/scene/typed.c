@@ -350,5 +350,6 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(SceneCheckInflow(scene, 0.0));
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));
+  PetscCall(SceneCheckMixture(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -415,7 +415,7 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
   PetscCall(SplinesCutFree(s));
-  if (!ops->strain || !p->fluid || SceneMixes(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!OperatorsCutFluids(flow->scene, ops) || !ops->strain) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
                            &cells));
   PetscCall(PetscArraycpy(cells->mass, ops->strain->mass, p->n_fluid));

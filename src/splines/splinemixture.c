@@ -9,7 +9,8 @@
     rho(x_i) du_i/dt = -grad p + rho_i f - sum_k sum_q L^k_q (c^k_i - C^k_q) grad psi_q(x_i) + ...
     L^k_q = 1/W_q d/dC^k_q (sigma_k int |grad C^k| dV) - (rho_k - rho_0) f.(y_q - x_q)
 
-  c^k_i is 1 in fluid k, otherwise 0; y_q is the point of the surface C^k = 1/2 nearest to the centre
+  c^k_i is the share of fluid k in a particle, 1 or 0 but in cells that an interface cut at the
+  start; y_q is the point of the surface C^k = 1/2 nearest to the centre
   x_q of a spline. The first term of L is the derivative of an energy, tension times area; the
   second moves the weight of fluid k, in excess of fluid 0, onto its surface. A constant L^k has the
   force L^k grad C^k, which the gradient of a spline balances exactly: so have a round drop and
@@ -63,15 +64,17 @@ static PetscErrorCode SumVolumes(const Particles *p, Splines *s, PetscInt fluid,
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(w->value, w->size));
   for (PetscInt i = 0; i < at->n; i++) {
-    PetscReal b[ISPH_MAX_DIM][SPLINES_ALONG] = {{0.0}}, slope[SPLINES_ALONG];
+    const PetscReal share = fluid < 0 ? 1.0 : ParticlesFluidShare(p, i, fluid);
+    PetscReal       b[ISPH_MAX_DIM][SPLINES_ALONG] = {{0.0}}, slope[SPLINES_ALONG];
 
-    if (fluid >= 0 && (PetscInt)p->fluid[i] != fluid) continue;
+    if (share == 0.0) continue;
     for (PetscInt a = 0; a < p->dim; a++)
       SplineBasis(2, at->t[a][i], at->per_edge[a][i], b[a], slope);
     if (p->dim == 2) b[2][0] = 1.0;
     for (PetscInt k = 0; k < (p->dim == 3 ? 27 : 9); k++)
       w->value[at->base[i] + k / 9 * plane + k / 3 % 3 * w->n[0] + k % 3] +=
-          ParticlesWeight(p, i) * p->cell_volume * b[0][k % 3] * b[1][k / 3 % 3] * b[2][k / 9];
+          share * ParticlesWeight(p, i) * p->cell_volume * b[0][k % 3] * b[1][k / 3 % 3] *
+          b[2][k / 9];
   }
   PetscCall(SplineWindowSum(w, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -262,8 +265,8 @@ static PetscErrorCode AddSurfaceForce(const Particles *p, PetscInt fluid, Spline
   PetscFunctionBegin;
   PetscCall(SplinesGradient(s, m->potential, s->fits.value));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    for (PetscInt a = 0; (PetscInt)p->fluid[i] == fluid && a < p->dim; a++)
-      force[p->dim * i + a] -= s->fits.value[p->dim * i + a];
+    for (PetscInt a = 0; a < p->dim; a++)
+      force[p->dim * i + a] -= ParticlesFluidShare(p, i, fluid) * s->fits.value[p->dim * i + a];
   PetscCall(VecPointwiseMult(m->potential, m->potential, m->share));
   PetscCall(SplinesGradient(s, m->potential, s->fits.value));
   for (PetscInt k = 0; k < p->dim * p->n_fluid; k++) force[k] += s->fits.value[k];
@@ -328,8 +331,8 @@ PetscErrorCode SplinesMix(Flow *flow, Splines *s)
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
     for (PetscInt i = 0; i < p->n_fluid; i++)
-      to[i] = m->lightness[i] * (SceneFluidDensity(scene, (PetscInt)p->fluid[i]) * f[a] +
-                                 force[p->dim * i + a] / scene->rho) -
+      to[i] = m->lightness[i] / scene->rho *
+                  (ParticlesDensity(scene, p, i) * f[a] + force[p->dim * i + a]) -
               f[a];
     PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
   }

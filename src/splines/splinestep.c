@@ -43,6 +43,10 @@ PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
   Splines *s;
 
   PetscFunctionBegin;
+  UserCheck(!SceneMixes(flow->scene) || flow->ops->forms.components_coupled,
+            "-visc_laplacian %s: fluids of several densities, or with a tension, need the whole "
+            "stress; use stress_mls or weak_stress",
+            flow->ops->forms.visc.row ? flow->ops->forms.visc.row->name : "");
   PetscCall(OperatorsDegree(flow->scene, &degree));
   PetscCall(PetscNew(&s));
   PetscCall(SplinesSet(flow->scene, ratio, degree, s));

@@ -45,6 +45,12 @@ static PetscErrorCode SetFluids(const Scene *scene, const FluidStart *start, Par
     PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (p->share) {
+      PetscInt other;
+
+      p->share[i] = SceneShare(scene, x, &other);
+      p->other[i] = (PetscReal)other;
+    }
     if (start && start->nu) {
       p->fluid[i]     = (PetscReal)FluidOfViscosity(scene, x, start->nu[i]);
       p->interface[i] = INTERFACE_REACH * p->dx[i];

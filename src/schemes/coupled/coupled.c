@@ -37,8 +37,15 @@ const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 static PetscErrorCode RefuseForms(const Flow *flow)
 {
   const OperatorForms *forms = &flow->ops->forms;
+  const BoundaryRow   *slip  = SceneSlipKind(flow->scene);
 
   PetscFunctionBegin;
+  UserCheck(!slip || SceneHasFreeSurface(flow->scene) ||
+                (flow->scheme->splines && forms->visc.row->weak && !flow->state->has_convection),
+            "-scheme coupled: it has one operator for all velocity components, and %s wants one "
+            "for each; use -visc_laplacian weak_stress without convection past fixed particles, "
+            "or -scheme projection",
+            slip->option.name);
   UserCheck(flow->scheme->splines || forms->gradient->DivergenceFit,
             "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
             "only -gradient mls has",
@@ -98,10 +105,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "here; add -with %s, or use -scheme projection",
             scene->problem->name, viscous ? "pressure" : "viscosity",
             viscous ? "pressure" : "viscosity");
-  UserCheck(!SceneSlipKind(scene) || SceneHasFreeSurface(scene),
-            "-scheme coupled: it has one operator for all velocity components, and %s wants one "
-            "for each; use -scheme projection",
-            SceneSlipKind(scene)->option.name);
   UserCheck(!SceneMovesGraded(scene),
             "-scheme coupled: particles that move have a uniform spacing with it; use -scheme "
             "projection, or -motion eulerian");

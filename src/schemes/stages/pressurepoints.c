@@ -100,6 +100,9 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
   RegimeSetFact(regime, FACT_COARSE, (*chosen)->coarse);
   UserCheck(!(*chosen)->coarse || !CoarseFault(scene), "-pressure_points coarse: %s",
             CoarseFault(scene));
+  UserCheck((*chosen)->coarse || !SceneMixes(scene),
+            "-pressure_points same: it has one density, and no tension of interfaces; use coarse, "
+            "with a box at least 6 dx wide");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
