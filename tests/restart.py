@@ -53,6 +53,8 @@ JET = ["-case", "scene", "-scene_box", "0,0,2,1.5", "-scene_inflow", "top", "-sc
 HEAT = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-viscosity", "1", "-viscosity_field", "exp(-T)", "-scene_scalar_1_name", "T",
         "-scene_scalar_1_diffusivity", "1+T*T", "-scene_scalar_1_source", "5*exp(-T)*g^2", "-scene_scalar_1_value", "bottom: t; left: 0",
         "-scene_scalar_1_exchange", "top: 2,1", "-scene_scalar_2_name", "dye", "-scene_scalar_2_start", "x", "-body_force", "0,50*T"]
+MIXTURE = ["-case", "scene", "-scene_symmetry", "left,right", "-viscosity", "0.1", "-body_force", "0,-1",
+           "-scene_fluid_1", "circle,0.5,0.4,0.2", "-scene_fluid_1_density", "0.1", "-scene_fluid_1_tension", "0.1"]
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 IMPACT = ["-n", "16", "-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",
           "-viscosity", "10", "-scheme", "coupled"]  # the velocity jumps in step 10
@@ -164,7 +166,7 @@ def bitwise(*command):
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
                            ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
-                           ("fluids", FLUIDS), ("bodies", BODIES), ("heat", HEAT),
+                           ("fluids", FLUIDS), ("mixture", MIXTURE), ("bodies", BODIES), ("heat", HEAT),
                            ("heat_eulerian", [*HEAT, "-motion", "eulerian"]),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:

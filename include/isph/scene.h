@@ -279,6 +279,26 @@ struct Scene {
   Regime      *regime; /* of defaults; callers add the facts of their options */
 };
 
+/*
+  SceneMixes - Returns true if fluids differ in density, or their interfaces have a tension; not
+  collective
+
+  The viscosity of a particle is then mu/rho with the density rho of the fluid outside the regions,
+  so that rho times it is the dynamic viscosity mu in each fluid.
+*/
+static inline PetscBool SceneMixes(const Scene *scene)
+{
+  for (PetscInt k = 0; k < scene->n_regions; k++)
+    if (scene->region_density[k] != 1.0 || scene->region_tension[k] > 0.0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* SceneFluidDensity - Returns the density of a fluid over that of fluid 0 [-]; not collective */
+static inline PetscReal SceneFluidDensity(const Scene *scene, PetscInt fluid)
+{
+  return fluid ? scene->region_density[fluid - 1] : 1.0;
+}
+
 #define INTERFACE_REACH 4.0 /* largest distance from interfaces that particles carry [dx_i] */
 
 /* Points on the interfaces of two fluids at the start, with normals out of the region. */
@@ -294,10 +314,8 @@ PetscErrorCode     SceneReadTyped(Scene *scene);
 PetscErrorCode     SceneReadBodies(PetscBool boxed, Scene *scene);
 const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[]);
 PetscInt           SceneFluids(const Scene *scene);
-PetscBool          SceneMixes(const Scene *scene);
 PetscErrorCode     SceneCheckMixture(const Scene *scene);
 PetscReal          SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other);
-PetscReal          SceneFluidDensity(const Scene *scene, PetscInt fluid);
 PetscInt           SceneFluidAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode     InterfacePointsCreate(const Scene *scene, InterfacePoints *points);
 PetscErrorCode     InterfacePointsDestroy(InterfacePoints *points);

@@ -19,52 +19,6 @@ PetscInt SceneFluids(const Scene *scene)
   return scene->n_regions + 1;
 }
 
-/*
-  SceneMixes - Returns true if fluids differ in density, or their interfaces have a tension; not
-  collective
-
-  The viscosity of a particle is then mu/rho with the density rho of the fluid outside the regions,
-  so that rho times it is the dynamic viscosity mu in each fluid.
-*/
-PetscBool SceneMixes(const Scene *scene)
-{
-  for (PetscInt k = 0; k < scene->n_regions; k++)
-    if (scene->region_density[k] != 1.0 || scene->region_tension[k] > 0.0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* SceneCheckMixture - Refuses scenes in which fluids of several densities, or interfaces with a
-   tension, have no equations; not collective */
-PetscErrorCode SceneCheckMixture(const Scene *scene)
-{
-  const char fluids[] = "fluids of several densities, or with a tension,";
-
-  PetscFunctionBegin;
-  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(SceneMoves(scene) && SceneHas(scene, PHYSICS_PRESSURE),
-            "-scene_fluid_1_density: %s move with their particles, and need a pressure; use "
-            "-motion lagrangian, and no -without pressure",
-            fluids);
-  UserCheck(!SceneHasFreeSurface(scene),
-            "-scene_fluid_1_density: %s have no free surface yet; let a fluid of small density "
-            "fill the box",
-            fluids);
-  UserCheck(!SceneHasOpenings(scene),
-            "-scene_fluid_1_density: %s have no inflows, outflows or given pressures yet", fluids);
-  UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
-            "-scene_fluid_1_density: %s have one size of particles; leave out -spacing_ options",
-            fluids);
-  UserCheck(!scene->force.n, "-body_force: %s need numbers, as their weight acts on the interface",
-            fluids);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SceneFluidDensity - Returns the density of a fluid over that of fluid 0 [-]; not collective */
-PetscReal SceneFluidDensity(const Scene *scene, PetscInt fluid)
-{
-  return fluid ? scene->region_density[fluid - 1] : 1.0;
-}
-
 /* SceneFluidAt - Returns the number of the fluid at a place at the start: k of -scene_fluid_k, 0
    outside their regions; not collective */
 PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])

@@ -422,6 +422,7 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
   }
   PetscCall(SceneReadSpacing(s));
   if (s->problem->typed) PetscCall(SceneCheckBodies(s));
+  PetscCall(SceneCheckMixture(s));
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
   PetscCall(RegimeCreate(s, &s->regime));

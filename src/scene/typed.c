@@ -350,6 +350,5 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(SceneCheckInflow(scene, 0.0));
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));
-  PetscCall(SceneCheckMixture(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -335,6 +335,30 @@ PetscErrorCode SceneCheckFluids(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SceneCheckMixture - Refuses scenes in which fluids of several densities, or interfaces with a
+   tension, have no equations; not collective */
+PetscErrorCode SceneCheckMixture(const Scene *scene)
+{
+  PetscFunctionBegin;
+  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(SceneMoves(scene) && SceneHas(scene, PHYSICS_PRESSURE),
+            "-scene_fluid_1_density: fluids of several densities, or with a tension, move "
+            "with their particles, and need a pressure; use -motion lagrangian");
+  UserCheck(!SceneHasFreeSurface(scene),
+            "-scene_fluid_1_density: fluids of several densities, or with a tension, have no "
+            "free surface; let a fluid of small density fill the box");
+  UserCheck(!SceneHasOpenings(scene),
+            "-scene_fluid_1_density: fluids of several densities, or with a tension, have no "
+            "inflows and outflows");
+  UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
+            "-scene_fluid_1_density: fluids of several densities, or with a tension, have one "
+            "size of particles; leave out -spacing_ options");
+  UserCheck(!scene->force.n,
+            "-body_force: fluids of several densities, or with a tension, need numbers, as their "
+            "weight acts on the interface");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Returns the largest part along the normal of a rotation of the surface of body k about a point,
    relative to its velocity; 0 for surfaces that are round about it. */
 static PetscReal ThroughSurface(const Scene *scene, PetscInt k, const PetscReal centre[2])

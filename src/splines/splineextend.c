@@ -424,6 +424,23 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
   SetRow(s, l->dim, p, &at, row);
 }
 
+/* SplineSumAt - Returns the sum at a point of splines whose numbers are all on this rank, and
+   computes its gradient; not collective */
+PetscReal SplineSumAt(const Splines *s, const Particles *p, const PetscScalar all[],
+                      const PetscReal x[], PetscReal gradient[])
+{
+  PetscReal sum = 0.0;
+  SplineRow at;
+
+  SplineRowAt(s, &s->lattice, p, x, &at);
+  for (PetscInt a = 0; a < p->dim; a++) gradient[a] = 0.0;
+  for (PetscInt k = 0; k < at.n; k++) {
+    sum += at.value[k] * all[at.number[k]];
+    for (PetscInt a = 0; a < p->dim; a++) gradient[a] += at.gradient[a][k] * all[at.number[k]];
+  }
+  return sum;
+}
+
 /* SplineRowOfPatch - Computes row 3 m + a of a patch, 12 for each: the integrals of node m and axis
    a, extended; not collective. Output: row - their global numbers, and values [-]. */
 void SplineRowOfPatch(const Splines *s, const Particles *p, PetscInt number, SplineRow *row)

@@ -31,7 +31,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   s = factors->splines;
   p = factors->particles;
   PetscCall(SplinesGradient(s, x, s->fits.value));
-  SplineMixtureLighten(s, p->dim, s->fits.value);
+  SplinesLighten(s, s->fits.value);
   if (s->cut[0]) {
     PetscCall(MatMult(s->cut[1], s->cut_gradient, y));
     PetscCall(VecScale(y, -PetscSqr(s->scale)));
@@ -88,7 +88,7 @@ static PetscErrorCode GradientMat(const Splines *s, const Particles *p, Mat *G)
     }
   }
   PetscCall(SplineMatFinish(*G));
-  PetscCall(SplineMixtureLightenRows(s, p, *G));
+  PetscCall(SplinesLightenRows(s, p, *G));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,20 +27,6 @@
 #define BISECTIONS  48
 #define SLOPE_LEAST 1e-2 /* gradients of shares below it have no direction [1/edge of a cell] */
 
-/* SplineMixtureFree - Frees the mixture; collective */
-PetscErrorCode SplineMixtureFree(SplineMixture *m)
-{
-  PetscFunctionBegin;
-  PetscCall(VecDestroy(&m->volume));
-  PetscCall(VecDestroy(&m->share));
-  PetscCall(VecDestroy(&m->density));
-  PetscCall(VecDestroy(&m->potential));
-  PetscCall(VecDestroy(&m->all));
-  PetscCall(VecScatterDestroy(&m->collect));
-  PetscCall(PetscFree(m->lightness));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode CreateVectors(const Splines *s, SplineMixture *m)
 {
   PetscFunctionBegin;
@@ -93,60 +79,6 @@ static PetscErrorCode SetShare(const Particles *p, PetscInt fluid, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the sum of the splines at a point, and computes its gradient. */
-static PetscReal ValueAt(const Splines *s, const Particles *p, const PetscScalar all[],
-                         const PetscReal x[], PetscReal gradient[])
-{
-  PetscReal sum = 0.0;
-  SplineRow at;
-
-  SplineRowAt(s, &s->lattice, p, x, &at);
-  for (PetscInt a = 0; a < p->dim; a++) gradient[a] = 0.0;
-  for (PetscInt k = 0; k < at.n; k++) {
-    sum += at.value[k] * all[at.number[k]];
-    for (PetscInt a = 0; a < p->dim; a++) gradient[a] += at.gradient[a][k] * all[at.number[k]];
-  }
-  return sum;
-}
-
-/* SplineMixtureAt - Returns the sum at a point of splines whose numbers are all on this rank; not
-   collective */
-PetscReal SplineMixtureAt(const Splines *s, const Particles *p, const PetscScalar all[],
-                          const PetscReal x[])
-{
-  PetscReal ignored[ISPH_MAX_DIM];
-
-  return ValueAt(s, p, all, x, ignored);
-}
-
-/* SplineMixtureLighten - Divides the gradients of a pressure at own particles by their densities;
-   not collective */
-void SplineMixtureLighten(const Splines *s, PetscInt dim, PetscReal gradient[])
-{
-  const PetscReal *lightness = s->mixture.lightness;
-
-  for (PetscInt i = 0; lightness && i < s->at.n; i++)
-    for (PetscInt a = 0; a < dim; a++) gradient[dim * i + a] *= lightness[i];
-}
-
-/* SplineMixtureLightenRows - Divides the rows of the velocities of particles by their densities;
-   collective */
-PetscErrorCode SplineMixtureLightenRows(const Splines *s, const Particles *p, Mat rows)
-{
-  PetscScalar *to;
-  Vec          scale;
-
-  PetscFunctionBegin;
-  if (!s->mixture.lightness || !rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateVecs(rows, NULL, &scale));
-  PetscCall(VecGetArrayWrite(scale, &to));
-  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = s->mixture.lightness[r / p->dim];
-  PetscCall(VecRestoreArrayWrite(scale, &to));
-  PetscCall(MatDiagonalScale(rows, scale, NULL));
-  PetscCall(VecDestroy(&scale));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Moves a point along the gradient of the share to the surface on which it is a half; returns false
    if there is none near it. */
 static PetscBool MoveToSurface(const Splines *s, const Particles *p, const PetscScalar all[],
@@ -154,7 +86,7 @@ static PetscBool MoveToSurface(const Splines *s, const Particles *p, const Petsc
 {
   PetscReal       n[ISPH_MAX_DIM], ignored[ISPH_MAX_DIM], from[ISPH_MAX_DIM], size = 0.0;
   PetscReal       low = 0.0, high = 0.0;
-  const PetscReal start = ValueAt(s, p, all, x, n) - 0.5;
+  const PetscReal start = SplineSumAt(s, p, all, x, n) - 0.5;
 
   for (PetscInt a = 0; a < p->dim; a++) {
     size += n[a] * n[a];
@@ -167,7 +99,7 @@ static PetscBool MoveToSurface(const Splines *s, const Particles *p, const Petsc
 
     if (k < MARCHES && high > 0.0) continue;
     for (PetscInt a = 0; a < p->dim; a++) x[a] = from[a] + d * n[a];
-    if ((ValueAt(s, p, all, x, ignored) - 0.5) * start > 0.0) low = d;
+    if ((SplineSumAt(s, p, all, x, ignored) - 0.5) * start > 0.0) low = d;
     else high = d;
     if (k == MARCHES - 1 && high == 0.0) return PETSC_FALSE;
   }
@@ -294,7 +226,8 @@ static PetscErrorCode SetLightness(Flow *flow, Splines *s)
   SplinesMix - Computes the lightness of particles, rho_0/rho(x_i), and the forces of interfaces for
   the present positions
 
-  Collective. Does nothing without a mixture, see SceneMixes(). Output: state->lightness [-];
+  Collective. Does nothing without a mixture, see SceneMixes(), or if positions are those of the last
+  call. Output: state->lightness [-];
   state->interface, per unit mass: the force less f [m/s^2].
 */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s)
@@ -306,7 +239,8 @@ PetscErrorCode SplinesMix(Flow *flow, Splines *s)
   PetscScalar     *to;
 
   PetscFunctionBegin;
-  if (!SceneMixes(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneMixes(scene) || m->assemblies == s->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  m->assemblies = s->assemblies;
   PetscCall(FlowStateRenumber(flow));
   if (m->numbering != s->numbering) PetscCall(CreateVectors(s, m));
   if (SceneHas(scene, PHYSICS_BODY_FORCE))
@@ -338,7 +272,7 @@ PetscErrorCode SplinesMix(Flow *flow, Splines *s)
   }
   PetscCall(PetscFree(force));
   PetscCall(SplineStiffnessFollow(s, p));
-  PetscCall(SplineMixtureLightenRows(s, p, flow->ops->velocity[0].visc.A));
-  PetscCall(SplineMixtureLightenRows(s, p, flow->ops->velocity[0].visc.B));
+  PetscCall(SplinesLightenRows(s, p, flow->ops->velocity[0].visc.A));
+  PetscCall(SplinesLightenRows(s, p, flow->ops->velocity[0].visc.B));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -279,7 +279,20 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
   s->epoch = p->epoch;
   s->moved = p->moved;
   s->assemblies++;
-  PetscCall(SplinesMix(flow, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineMixtureFree - Frees the mixture; collective */
+PetscErrorCode SplineMixtureFree(SplineMixture *m)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&m->volume));
+  PetscCall(VecDestroy(&m->share));
+  PetscCall(VecDestroy(&m->density));
+  PetscCall(VecDestroy(&m->potential));
+  PetscCall(VecDestroy(&m->all));
+  PetscCall(VecScatterDestroy(&m->collect));
+  PetscCall(PetscFree(m->lightness));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -224,8 +224,9 @@ typedef struct {
   Vec        density;   /* of splines, over that of fluid 0; NULL: uniform [-] */
   Vec        all;       /* work: numbers of all splines on each rank */
   VecScatter collect;
-  PetscReal *lightness; /* of own particles, 1 over their density; NULL: uniform [-] */
-  PetscInt   numbering; /* stamp of the vectors */
+  PetscReal *lightness;  /* of own particles, 1 over their density; NULL: uniform [-] */
+  PetscInt   numbering;  /* stamp of the vectors */
+  PetscInt   assemblies; /* stamp of the last computation */
 } SplineMixture;
 
 struct Splines {
@@ -286,9 +287,21 @@ PetscInt SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
 void     SplineRowOfPatch(const Splines *s, const Particles *p, PetscInt number, SplineRow *row);
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row);
+PetscReal SplineSumAt(const Splines *s, const Particles *p, const PetscScalar all[],
+                      const PetscReal x[], PetscReal gradient[]);
 PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
 PetscBool SplineSideGives(const SplineLattice *l);
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
+
+/* Divides the gradients of a pressure at own particles by their densities over rho_0. */
+static inline void SplinesLighten(const Splines *s, PetscReal gradient[])
+{
+  const PetscReal *lightness = s->mixture.lightness;
+  const PetscInt   dim       = s->lattice.dim;
+
+  for (PetscInt i = 0; lightness && i < s->at.n; i++)
+    for (PetscInt a = 0; a < dim; a++) gradient[dim * i + a] *= lightness[i];
+}
 
 /* Computes the place of a node of a cut cell [m]. */
 static inline void SplineCutNode(PetscInt dim, const SplineCut *cut, PetscInt node, PetscReal x[])
@@ -340,6 +353,7 @@ PetscErrorCode SplinePlacesFree(SplinePlaces *at);
 PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
 PetscErrorCode SplinesGradientAtPoints(Splines *s, Vec p, PetscReal gradient[]);
+PetscErrorCode SplinesLightenRows(const Splines *s, const Particles *p, Mat rows);
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
 /* splinefits.c, splineintegrals.c */
@@ -361,6 +375,7 @@ PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagon
 PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
+PetscErrorCode SplineMixtureFree(SplineMixture *m);
 PetscErrorCode SplinesFree(Splines *s);
 
 /* splinematrix.c */
@@ -373,11 +388,6 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splinemixture.c */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s);
-PetscErrorCode SplineMixtureFree(SplineMixture *m);
-PetscReal      SplineMixtureAt(const Splines *s, const Particles *p, const PetscScalar all[],
-                               const PetscReal x[]);
-void           SplineMixtureLighten(const Splines *s, PetscInt dim, PetscReal gradient[]);
-PetscErrorCode SplineMixtureLightenRows(const Splines *s, const Particles *p, Mat rows);
 
 /* splineinverse.c */
 typedef struct SplineInverse SplineInverse;

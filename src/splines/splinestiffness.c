@@ -105,11 +105,11 @@ static void Integrate(const Splines *s, const Particles *p, PetscInt c, PetscInt
   for (PetscInt corner = 0; corner < 1 << l->dim; corner++) {
     PetscReal       x[ISPH_MAX_DIM];
     const PetscReal weight = PointOf(s, c, corner, only, x);
-    PetscReal       rho    = 1.0;
+    PetscReal       rho    = 1.0, slope[ISPH_MAX_DIM];
     SplineValues    at;
 
     SplinesAt(l, x, &at);
-    if (density) rho = SplineMixtureAt(s, p, density, x);
+    if (density) rho = SplineSumAt(s, p, density, x, slope);
     for (PetscInt k = 0; k < n; k++) {
       e->mass[corner][k] = weight * at.value[k];
       for (PetscInt m = 0; weight > 0.0 && m < n; m++) {

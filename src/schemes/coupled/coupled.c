@@ -175,6 +175,7 @@ static PetscErrorCode CoupledAssembleSplines(Flow *flow)
   PetscFunctionBegin;
   if (!flow->scheme->splines) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplinesAssemble(flow, flow->scheme->splines));
+  PetscCall(SplinesMix(flow, flow->scheme->splines));
   PetscCall(SplinesCutAssemble(flow, flow->scheme->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

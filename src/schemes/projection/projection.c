@@ -63,6 +63,7 @@ static PetscErrorCode ProjectionAssemble(Flow *flow)
 
   PetscFunctionBegin;
   if (pr->splines) PetscCall(SplinesAssemble(flow, pr->splines));
+  if (pr->splines) PetscCall(SplinesMix(flow, pr->splines));
   if (pr->splines) PetscCall(SplinesCutAssemble(flow, pr->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
