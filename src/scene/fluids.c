@@ -242,7 +242,7 @@ static void SampleOf(const Scene *scene, const PetscReal x[], PetscInt s, PetscR
 }
 
 /*
-  SceneShare - Returns the share of the fluid at x in the fluid part of the lattice cell around x [-]
+  SceneShare - Returns the share of the fluid at x in the fluid part of the lattice cell around x
 
   Not collective. Output: other - the fluid that has the largest part of the rest.
 */

@@ -226,9 +226,8 @@ static PetscErrorCode SetLightness(Flow *flow, Splines *s)
   SplinesMix - Computes the lightness of particles, rho_0/rho(x_i), and the forces of interfaces for
   the present positions
 
-  Collective. Does nothing without a mixture, see SceneMixes(), or if positions are those of the last
-  call. Output: state->lightness [-];
-  state->interface, per unit mass: the force less f [m/s^2].
+  Collective. Does nothing without a mixture, see SceneMixes(), or if positions are those of the
+  last call. Output: state->lightness [-]; state->interface, the force per unit mass less f [m/s^2].
 */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s)
 {

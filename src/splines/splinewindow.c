@@ -323,8 +323,8 @@ PetscErrorCode SplinesLightenRows(const Splines *s, const Particles *p, Mat rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesAccelerate - Adds factor times SplinesGradient(), over the density of particles, to the components of a vector field over
-   fluid; collective. The fits' work array holds the gradient. */
+/* SplinesAccelerate - Adds factor times SplinesGradient(), over the density of particles, to the
+   components of a vector field over fluid; collective. The fits' work array holds the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
   PetscScalar *v;
