@@ -11,6 +11,7 @@
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[]);
 PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[]);
+PetscErrorCode ProbeDensity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal rho[]);
 PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal gradient[],
                            PetscReal rate[], PetscReal pressure[]);
 PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);

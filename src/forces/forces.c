@@ -101,14 +101,15 @@ static PetscErrorCode AddMomentum(const Flow *flow, Reaction *r, PetscReal F[], 
   const Scene   *scene = flow->scene;
   const Layer   *l     = &r->layer;
   const PetscInt dim   = scene->dim;
-  PetscReal     *p, *A, *rate, *nu, *strain;
+  PetscReal     *p, *A, *rate, *nu, *strain, *rho;
 
   PetscFunctionBegin;
-  PetscCall(
-      PetscMalloc5(l->n, &p, l->n * dim * dim, &A, l->n * dim, &rate, l->n, &nu, l->n, &strain));
+  PetscCall(PetscMalloc6(l->n, &p, l->n * dim * dim, &A, l->n * dim, &rate, l->n, &nu, l->n,
+                         &strain, l->n, &rho));
   PetscCall(ProbeMotion(flow, l->n, l->x, A, rate, p));
   for (PetscInt k = 0; k < l->n; k++) strain[k] = StrainRate(dim, &A[k * dim * dim]);
   PetscCall(PointViscosity(flow, l->n, l->x, strain, nu));
+  PetscCall(ProbeDensity(flow, l->n, l->x, rho));
   SetLinear(flow, p, r);
   for (PetscInt k = 0; k < l->n; k++) {
     const PetscReal *x = &l->x[k * dim], *grad = &A[k * dim * dim];
@@ -117,7 +118,7 @@ static PetscErrorCode AddMomentum(const Flow *flow, Reaction *r, PetscReal F[], 
 
     if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
     for (PetscInt a = 0; a < dim; a++) {
-      load[a] = w * (scene->rho * (rate[k * dim + a] - f[a]) + r->linear.slope[a]);
+      load[a] = w * (rho[k] * (rate[k * dim + a] - f[a]) + r->linear.slope[a]);
       if (!PetscIsNanReal(p[k])) load[a] -= (p[k] - LinearAt(dim, &r->linear, x)) * g[a];
       for (PetscInt b = 0; b < dim; b++)
         load[a] += scene->rho * nu[k] * (grad[a * dim + b] + grad[b * dim + a]) * g[b];
@@ -125,7 +126,7 @@ static PetscErrorCode AddMomentum(const Flow *flow, Reaction *r, PetscReal F[], 
     }
     AddLoad(dim, r->centre, x, load, F, T);
   }
-  PetscCall(PetscFree5(p, A, rate, nu, strain));
+  PetscCall(PetscFree6(p, A, rate, nu, strain, rho));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -460,22 +460,22 @@ PetscBool ProbeInBody(const Scene *scene, const PetscReal x[])
   return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene);
 }
 
-/* Finds the viscosity of the fluid particle nearest to x. */
-static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
-{
-  const ProbeBall ball = ProbeSupport(probe, x);
-  PetscInt        j;
+/* Returns a property of particle j. */
+typedef PetscReal (*PropertyFn)(const Flow *flow, PetscInt j);
 
-  PetscFunctionBegin;
-  PetscCall(NearestFluid(probe, x, ball.R / ball.least, &j));
-  *nu = j < 0 ? 0.0 : probe->flow->particles->nu[j];
-  PetscFunctionReturn(PETSC_SUCCESS);
+static PetscReal ViscosityOf(const Flow *flow, PetscInt j)
+{
+  return flow->particles->nu[j];
 }
 
-/* ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point;
-   collective. An interpolation would mix the viscosities of two fluids. Input: as ProbePoints().
-   Output: nu - on all ranks [m^2/s]. */
-PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
+static PetscReal DensityOf(const Flow *flow, PetscInt j)
+{
+  return ParticlesDensity(flow->scene, flow->particles, j);
+}
+
+/* Computes a property of the fluid particle nearest to each point, 0 if there is none. */
+static PetscErrorCode ProbeNearest(const Flow *flow, PetscInt n, const PetscReal x[], PropertyFn Of,
+                                   PetscReal value[])
 {
   const Particles *p = flow->particles;
   Probe            probe;
@@ -484,11 +484,35 @@ PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
   PetscCall(ProbeBegin(flow, PETSC_FALSE, &probe));
   for (PetscInt k = 0; k < n; k++) {
     PetscReal place[ISPH_MAX_DIM];
+    ProbeBall ball;
+    PetscInt  j;
 
-    nu[k] = 0.0;
-    if (ProbeOwns(flow, &x[k * p->dim], place)) PetscCall(NearestViscosity(&probe, place, &nu[k]));
+    value[k] = 0.0;
+    if (!ProbeOwns(flow, &x[k * p->dim], place)) continue;
+    ball = ProbeSupport(&probe, place);
+    PetscCall(NearestFluid(&probe, place, ball.R / ball.least, &j));
+    if (j >= 0) value[k] = Of(flow, j);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, nu, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, value, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCall(ProbeEnd(&probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point;
+   collective. An interpolation would mix the viscosities of two fluids. Input: as ProbePoints().
+   Output: nu - on all ranks [m^2/s]. */
+PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
+{
+  PetscFunctionBegin;
+  PetscCall(ProbeNearest(flow, n, x, ViscosityOf, nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProbeDensity - Returns the density at each point, as ProbeViscosity() [kg/m^3]; collective */
+PetscErrorCode ProbeDensity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal rho[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) rho[k] = flow->scene->rho;
+  if (SceneMixes(flow->scene)) PetscCall(ProbeNearest(flow, n, x, DensityOf, rho));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

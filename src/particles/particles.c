@@ -45,8 +45,8 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
                                 p->interface_normal));
   }
   if (SceneMixes(scene)) {
-    PetscCall(ParticlesRegister(p, "share", 1, HALO_NONE, ENTRY_NEAREST, &p->share));
-    PetscCall(ParticlesRegister(p, "other", 1, HALO_NONE, ENTRY_NEAREST, &p->other));
+    PetscCall(ParticlesRegister(p, "share", 1, HALO_EPOCH, ENTRY_NEAREST, &p->share));
+    PetscCall(ParticlesRegister(p, "other", 1, HALO_EPOCH, ENTRY_NEAREST, &p->other));
   }
   if (SceneHas(scene, PHYSICS_WALLS)) {
     PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, ENTRY_ZERO, p->normal));

@@ -7,17 +7,18 @@
 
     C^k_q = sum_i V_i c^k_i psi_q(x_i)/W_q,  W_q = sum_i V_i psi_q(x_i),  rho_q = sum_k rho_k C^k_q
     rho(x_i) du_i/dt = -grad p + rho_i f - sum_k sum_q L^k_q (c^k_i - C^k_q) grad psi_q(x_i) + ...
-    L^k_q = 1/W_q d/dC^k_q (sigma_k int |grad C^k| dV) - (rho_k - rho_0) f.(y_q - x_q)
+    L^k_q = sigma_k kappa^k(y_q) - (rho_k - rho_0) f.(y_q - x_q)
+    kappa^k_q = 1/W_q d/dC^k_q int |grad C^k| dV
 
-  c^k_i is the share of fluid k in a particle, 1 or 0 but in cells that an interface cut at the
-  start; y_q is the point of the surface C^k = 1/2 nearest to the centre
-  x_q of a spline. The first term of L is the derivative of an energy, tension times area; the
-  second moves the weight of fluid k, in excess of fluid 0, onto its surface. A constant L^k has the
-  force L^k grad C^k, which the gradient of a spline balances exactly: so have a round drop and
-  layers at rest. In fluids far from interfaces the force is rho_k f.
+  c^k_i is the share of fluid k in a particle: 1 or 0, but in cells that an interface cut at the
+  start. y_q is the point of the surface C^k = 1/2 nearest to the centre x_q of a spline. kappa is
+  the derivative of the area, and has its value at y_q. The second term moves the weight of fluid k,
+  in excess of fluid 0, onto its surface. A constant L^k has the force L^k grad C^k, which the
+  gradient of a spline balances exactly: so have a round drop and layers at rest. Far from
+  interfaces the force is rho_k f.
 
-  Source: the weight of the reduced pressure, and the area as in K. A. Brakke, Exp. Math. 1 (1992)
-  141-165; docs/theory.md, (498)-(500).
+  Source: docs/theory.md, (498)-(500). The derivative of the area is that of K. A. Brakke, Exp.
+  Math. 1 (1992) 141-165.
 */
 #include "splines.h"
 
@@ -106,8 +107,7 @@ static PetscBool MoveToSurface(const Splines *s, const Particles *p, const Petsc
   return PETSC_TRUE;
 }
 
-/* Sets the potential L of a fluid to the derivative of its energy, tension times area, and adds the
-   energy [J]. */
+/* Sets the potential to sigma kappa, and adds the energy of the surface [J]. */
 static PetscErrorCode SetTension(const Particles *p, PetscReal sigma, Splines *s, PetscReal *energy)
 {
   SplineMixture  *m     = &s->mixture;

@@ -43,20 +43,18 @@ static PetscErrorCode SetFluids(const Scene *scene, const FluidStart *start, Par
   PetscCall(InterfacePointsCreate(scene, &points));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM];
+    PetscInt  other;
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-    if (p->share) {
-      PetscInt other;
-
-      p->share[i] = SceneShare(scene, x, &other);
-      p->other[i] = (PetscReal)other;
-    }
     if (start && start->nu) {
       p->fluid[i]     = (PetscReal)FluidOfViscosity(scene, x, start->nu[i]);
       p->interface[i] = INTERFACE_REACH * p->dx[i];
+      if (p->share) p->share[i] = 1.0;
       continue;
     }
     p->fluid[i]     = (PetscReal)SceneFluidAt(scene, x);
+    if (p->share) p->share[i] = SceneShare(scene, x, &other);
+    if (p->share) p->other[i] = (PetscReal)other;
     p->interface[i] = SceneInterface(scene, &points, x, INTERFACE_REACH * p->dx[i], normal);
     for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = normal[a];
   }
