@@ -52,7 +52,7 @@ static PetscErrorCode SetFluids(const Scene *scene, const FluidStart *start, Par
       if (p->share) p->share[i] = 1.0;
       continue;
     }
-    p->fluid[i]     = (PetscReal)SceneFluidAt(scene, x);
+    p->fluid[i] = (PetscReal)SceneFluidAt(scene, x);
     if (p->share) p->share[i] = SceneShare(scene, x, &other);
     if (p->share) p->other[i] = (PetscReal)other;
     p->interface[i] = SceneInterface(scene, &points, x, INTERFACE_REACH * p->dx[i], normal);
