@@ -48,6 +48,7 @@ typedef struct {
 
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard);
 PetscErrorCode GuardDetach(Guard *guard);
+PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, PetscBool *only);
 PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure);
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);

@@ -128,6 +128,31 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* GuardOnlyMultiplies - Returns whether a shell can stand for the matrix: the solver only
+   multiplies, with PCNONE or a given type that needs the diagonal, and no option shows or tests the
+   matrix; collective */
+PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, PetscBool *only)
+{
+  const char *const shows[] = {"-snes_test_jacobian", "-snes_test_jacobian_view"};
+  PetscBool         multiplies, diagonal, same, linear, given[2];
+  PC                pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(guard->solve.ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)guard->solve.ksp, &multiplies, KSPGMRES, KSPCG,
+                                      KSPFGMRES, KSPBCGS, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCNONE, type, ""));
+  PetscCall(PetscStrcmp(guard->mat_type, MATSAME, &same));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));
+  for (PetscInt k = 0; k < 2; k++)
+    PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, shows[k], &given[k]));
+  *only = multiplies && diagonal && same && linear && !given[0] && !given[1] &&
+                  !KspViewsHaveMatrix(&guard->ksp_views)
+              ? PETSC_TRUE
+              : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* GuardDetach - Frees the fallback solvers and viewers; collective */
 PetscErrorCode GuardDetach(Guard *guard)
 {

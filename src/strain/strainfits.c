@@ -11,7 +11,8 @@
 #include "isph/fits.h"
 #include "strain.h"
 
-#define FIT_MOST   160   /* particles around a point */
+#define FIT_ROOM   640   /* particles around a point, at most */
+#define SEARCH     1.0   /* a search for a point serves others so near [dx] */
 #define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
 #define WALL_RIDGE 1e-13 /* of the normal equations, over their trace: points are in a plane */
@@ -81,30 +82,68 @@ static PetscErrorCode EndRow(StrainRows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles and points of interfaces around a point, nearest first. */
+/* Particles and points of interfaces around points. */
 typedef struct {
-  PetscInt  dim, n, j[FIT_MOST]; /* -1 - row of StrainFits.feet for points of interfaces */
-  PetscReal s[ISPH_MAX_DIM][FIT_MOST], r2[FIT_MOST]; /* offsets and their squares [m], [m^2] */
+  PetscInt  n, j[FIT_ROOM];            /* -1 - row of StrainFits.feet for points of interfaces */
+  PetscReal x[ISPH_MAX_DIM][FIT_ROOM]; /* [m] */
+} Candidates;
+
+/* Those around a point. */
+typedef struct {
+  PetscInt  dim, n, j[FIT_ROOM];
+  PetscReal s[ISPH_MAX_DIM][FIT_ROOM], r2[FIT_ROOM]; /* offsets and their squares [m], [m^2] */
+  PetscInt  at[FIT_ROOM];                            /* the nearest first */
 } Around;
 
-/* Adds a candidate in the order of distances; the farthest are dropped if there are too many. */
-static void AddAround(PetscInt j, const PetscReal s[], Around *around)
+/* Adds a candidate at x. */
+static void AddCandidate(PetscInt dim, PetscInt j, const PetscReal x[], Candidates *from)
+{
+  if (from->n == FIT_ROOM) return;
+  for (PetscInt a = 0; a < dim; a++) from->x[a][from->n] = x[a];
+  from->j[from->n++] = j;
+}
+
+/* Sorts by distance: the squares of distances are about even, so that each has a bin of its own. */
+static void SortAround(Around *around)
+{
+  const PetscInt n = around->n;
+  PetscInt       start[FIT_ROOM + 1], bin[FIT_ROOM];
+  PetscReal      most = PETSC_MACHINE_EPSILON * PETSC_MACHINE_EPSILON;
+
+  for (PetscInt k = 0; k < n; k++) most = PetscMax(most, around->r2[k]);
+  for (PetscInt k = 0; k <= n; k++) start[k] = 0;
+  for (PetscInt k = 0; k < n; k++) bin[k] = (PetscInt)(around->r2[k] * ((n - 1) / most));
+  for (PetscInt k = 0; k < n; k++) start[bin[k] + 1]++;
+  for (PetscInt k = 1; k < n; k++) start[k] += start[k - 1];
+  for (PetscInt k = 0; k < n; k++) around->at[start[bin[k]]++] = k;
+  for (PetscInt k = 1; k < n; k++) {
+    const PetscInt at = around->at[k];
+    PetscInt       q  = k;
+
+    for (; q > 0 && around->r2[around->at[q - 1]] > around->r2[at]; q--)
+      around->at[q] = around->at[q - 1];
+    around->at[q] = at;
+  }
+}
+
+/* Lists the candidates within a distance of x, the nearest first. */
+static void FindAround(const Candidates *from, const PetscReal x[], PetscReal reach, Around *around)
 {
   const PetscInt dim = around->dim;
-  PetscReal      r2  = 0.0;
-  PetscInt       k;
+  PetscReal      r2[FIT_ROOM];
+  PetscInt       n = 0;
 
-  for (PetscInt a = 0; a < dim; a++) r2 += s[a] * s[a];
-  if (around->n == FIT_MOST && r2 >= around->r2[FIT_MOST - 1]) return;
-  for (k = PetscMin(around->n, FIT_MOST - 1); k > 0 && around->r2[k - 1] > r2; k--) {
-    around->r2[k] = around->r2[k - 1];
-    around->j[k]  = around->j[k - 1];
-    for (PetscInt a = 0; a < dim; a++) around->s[a][k] = around->s[a][k - 1];
+  for (PetscInt k = 0; k < from->n; k++) r2[k] = PetscSqr(from->x[0][k] - x[0]);
+  for (PetscInt a = 1; a < dim; a++)
+    for (PetscInt k = 0; k < from->n; k++) r2[k] += PetscSqr(from->x[a][k] - x[a]);
+  for (PetscInt k = 0; k < from->n; k++) {
+    around->r2[n] = r2[k];
+    around->j[n]  = from->j[k];
+    for (PetscInt a = 0; a < dim; a++) around->s[a][n] = from->x[a][k] - x[a];
+    n += r2[k] <= reach * reach ? 1 : 0;
   }
-  around->r2[k] = r2;
-  around->j[k]  = j;
-  for (PetscInt a = 0; a < dim; a++) around->s[a][k] = s[a];
-  around->n = PetscMin(around->n + 1, FIT_MOST);
+  around->n = n;
+  SortAround(around);
 }
 
 /* Returns true if a wall particle gives component c of the velocity. */
@@ -125,12 +164,13 @@ static void FootOf(const Particles *p, PetscInt j, PetscReal x[])
     x[a] = p->x[a][j] - p->interface[j] * p->interface_normal[a][j];
 }
 
-/* Lists what takes part in the fit of component c at x in a fluid. Input: list - the particles
-   around x. */
-static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, PetscInt c, PetscInt n,
-                   const PetscInt list[], Around *around)
+/* Lists what takes part in fits of component c in a fluid. Input: list - the particles around. */
+static void Gather(const StrainFits *f, PetscInt fluid, PetscInt c, PetscInt n,
+                   const PetscInt list[], Candidates *to)
 {
   const Particles *p = f->p;
+
+  to->n = 0;
 
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j = list[k];
@@ -148,8 +188,7 @@ static void Gather(const StrainFits *f, const PetscReal x[], PetscInt fluid, Pet
     } else {
       for (PetscInt a = 0; a < p->dim; a++) y[a] = p->x[a][j];
     }
-    for (PetscInt a = 0; a < p->dim; a++) y[a] -= x[a];
-    AddAround(code, y, around);
+    AddCandidate(p->dim, code, y, to);
   }
 }
 
@@ -159,14 +198,15 @@ static PetscErrorCode Fill(void *ctx, PetscInt i, PetscInt wanted, NearestFits *
 {
   const Around   *around = &((const Around *)ctx)[i];
   const PetscInt  d = around->dim, m = 1 << d, n = PetscMin(around->n, wanted);
-  const PetscReal R = wanted < around->n ? PetscSqrtReal(around->r2[wanted])
-                                         : 1.05 * PetscSqrtReal(around->r2[n - 1]);
+  const PetscInt *at = around->at;
+  const PetscReal R  = wanted < around->n ? PetscSqrtReal(around->r2[at[wanted]])
+                                          : 1.05 * PetscSqrtReal(around->r2[at[n - 1]]);
 
   f->n[i] = n;
   *more   = wanted < around->n;
   for (PetscInt k = 0; k < n; k++) {
-    f->W[k * m + i] = NearestWeight(PetscSqrtReal(around->r2[k]) / R);
-    for (PetscInt a = 0; a < d; a++) f->s[a][k * m + i] = around->s[a][k] / R;
+    f->W[k * m + i] = NearestWeight(PetscSqrtReal(around->r2[at[k]]) / R);
+    for (PetscInt a = 0; a < d; a++) f->s[a][k * m + i] = around->s[a][at[k]] / R;
   }
   return PETSC_SUCCESS;
 }
@@ -202,7 +242,7 @@ static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *arou
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < g->n[i]; k++) {
-    const PetscInt  j = around->j[k];
+    const PetscInt  j = around->j[around->at[k]];
     const PetscReal w = g->w[k * m + i];
 
     if (j >= 0) {
@@ -224,6 +264,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   const Particles *p = f->p;
   const PetscInt   d = p->dim, terms = d + 1;
   Around           around = {.dim = p->dim};
+  Candidates       from   = {.n = 0};
   PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, R2;
 
   PetscFunctionBegin;
@@ -232,12 +273,13 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
 
     if (!ParticlesIsWall(p, list[k]) || (PetscInt)p->side[list[k]] != side) continue;
     ParticlesWallPoint(p, list[k], y);
-    for (PetscInt a = 0; a < d; a++) y[a] -= x[a];
-    AddAround(list[k], y, &around);
+    AddCandidate(d, list[k], y, &from);
   }
+  FindAround(&from, x, PETSC_INFINITY, &around);
   if (around.n > 2 * d) around.n = 2 * d;
-  R2 = around.n ? 1.2 * around.r2[around.n - 1] : 0.0;
-  for (PetscInt k = 0; k < around.n; k++) {
+  R2 = around.n ? 1.2 * around.r2[around.at[around.n - 1]] : 0.0;
+  for (PetscInt i = 0; i < around.n; i++) {
+    const PetscInt  k = around.at[i];
     const PetscReal W = 1.0 - around.r2[k] / R2;
 
     for (PetscInt e = 0; e < terms; e++)
@@ -247,8 +289,9 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   }
   DenseCholeskyRidge(terms, M, WALL_RIDGE, factor);
   DenseCholeskySolve(terms, factor, c);
-  for (PetscInt k = 0; k < around.n; k++) {
-    PetscReal w = c[0];
+  for (PetscInt i = 0; i < around.n; i++) {
+    const PetscInt k = around.at[i];
+    PetscReal      w = c[0];
 
     for (PetscInt a = 0; a < d; a++) w += c[1 + a] * around.s[a][k] / PetscSqrtReal(R2);
     PetscCall(AddEntry(around.j[k], w * (1.0 - around.r2[k] / R2), rows));
@@ -275,14 +318,17 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
 {
   const Particles *p   = f->p;
   const PetscInt   dim = p->dim, m = 1 << dim, most = f->nb->cells.n + 1, all = points->n * f->sets;
-  const PetscReal  reach = FIT_REACH * p->dx[0] + 0.5 * f->nb->margin;
+  const PetscReal  reach  = FIT_REACH * p->dx[0] + 0.5 * f->nb->margin;
+  const PetscReal  search = p->fluid ? 0.0 : SEARCH * p->dx[0]; /* feet are not at particles */
   NearestFits     *g, *spare;
   Around           around[POINT_FITS];
-  PetscInt        *list;
+  PetscReal        centre[ISPH_MAX_DIM] = {NAN}; /* of the last search */
+  PetscInt        *list, *beside, found = 0, fluid = -1, component = 0;
+  Candidates       from;
 
   PetscFunctionBegin;
   rows->n = rows->rows = 0;
-  PetscCall(PetscMalloc1(most, &list));
+  PetscCall(PetscMalloc2(most, &list, most, &beside));
   PetscCall(PetscNew(&g));
   PetscCall(PetscNew(&spare));
   for (PetscInt first = 0; first < all; first += m) {
@@ -290,8 +336,7 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
 
     for (PetscInt i = 0; i < m; i++) {
       const PetscInt k = (first + i) / f->sets, c = (first + i) % f->sets;
-      PetscReal      x[ISPH_MAX_DIM];
-      PetscInt       n;
+      PetscReal      x[ISPH_MAX_DIM], apart       = 0.0;
 
       around[i].dim = dim;
       around[i].n   = 0;
@@ -300,8 +345,17 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
       on_wall[i] = points->side[k] >= 0 && SideGives(f, points->side[k], c);
       for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
       if (on_wall[i]) continue;
-      PetscCall(CellsFind(&f->nb->cells, x, reach, most, list, &n));
-      Gather(f, x, points->fluid[k], c, n, list, &around[i]);
+      for (PetscInt a = 0; a < dim; a++) apart += PetscSqr(x[a] - centre[a]);
+      if (!(apart < PetscSqr(search))) {
+        PetscCall(CellsFind(&f->nb->cells, x, reach + search, most, list, &found));
+        for (PetscInt a = 0; a < dim; a++) centre[a] = x[a];
+        fluid = -1;
+      }
+      if (points->fluid[k] != fluid || c != component)
+        Gather(f, points->fluid[k], c, found, list, &from);
+      fluid     = points->fluid[k];
+      component = c;
+      FindAround(&from, x, p->fluid ? PETSC_INFINITY : reach, &around[i]);
     }
     PetscCall(FitGroup(dim, f->degree, around, g, spare));
     for (PetscInt i = 0; i < m && first + i < all; i++) {
@@ -314,11 +368,11 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
         continue;
       }
       for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];
-      PetscCall(CellsFind(&f->nb->cells, x, WALL_REACH * p->dx[0], most, list, &n));
-      PetscCall(AddWallRow(f, x, points->side[k], n, list, rows));
+      PetscCall(CellsFind(&f->nb->cells, x, WALL_REACH * p->dx[0], most, beside, &n));
+      PetscCall(AddWallRow(f, x, points->side[k], n, beside, rows));
     }
   }
-  PetscCall(PetscFree(list));
+  PetscCall(PetscFree2(list, beside));
   PetscCall(PetscFree(g));
   PetscCall(PetscFree(spare));
   PetscFunctionReturn(PETSC_SUCCESS);

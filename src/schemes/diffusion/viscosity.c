@@ -122,35 +122,17 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
 }
 
 /* Decides if the solver takes a shell: it only multiplies, by default with Jacobi or none at small
-   stiffness, and no option shows or tests the matrix. */
+   stiffness. */
 static PetscErrorCode ChooseShell(Viscosity *v)
 {
-  const char *const shows[] = {"-snes_test_jacobian", "-snes_test_jacobian_view"};
-  PetscBool         multiplies, diagonal, same, linear;
-  SNES              snes;
-  PC                pc;
+  SNES snes;
 
   PetscFunctionBegin;
-  PetscCall(KSPGetPC(v->guard.solve.ksp, &pc));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)v->guard.solve.ksp, &multiplies, KSPGMRES, KSPCG,
-                                      KSPFGMRES, KSPBCGS, ""));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCNONE,
-                                      v->surface ? "" : PCJACOBI, ""));
-  PetscCall(PetscStrcmp(v->guard.mat_type, MATSAME, &same));
+  if (v->nonlinear || v->flow->state->implicit_convection ||
+      (!v->surface && !v->flow->ops->velocity[0].visc.rows))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));
-  v->shell = multiplies && diagonal && same && linear && !v->nonlinear &&
-                     !v->flow->state->implicit_convection &&
-                     (v->surface || v->flow->ops->velocity[0].visc.rows) &&
-                     !KspViewsHaveMatrix(&v->guard.ksp_views)
-                 ? PETSC_TRUE
-                 : PETSC_FALSE;
-  for (size_t k = 0; k < sizeof(shows) / sizeof(shows[0]) && v->shell; k++) {
-    PetscBool given;
-
-    PetscCall(PetscOptionsHasName(NULL, "visc_", shows[k], &given));
-    if (given) v->shell = PETSC_FALSE;
-  }
+  PetscCall(GuardOnlyMultiplies(snes, v->surface ? PCNONE : PCJACOBI, &v->guard, &v->shell));
   if (v->shell) v->guard.Flatten = v->surface ? SurfaceStressFlatten : AffineSystemFlatten;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

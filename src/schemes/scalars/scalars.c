@@ -208,7 +208,7 @@ PetscErrorCode ScalarsBegin(Flow *flow)
   if (all->volume && flow->clock->step == 0) PetscCall(ScalarFindVolumes(flow));
   for (PetscInt k = 0; k < all->n; k++) {
     PetscCall(ScalarSetWalls(flow, flow->clock->t, &all->scalar[k]));
-    PetscCall(ScalarValues(flow, all->scalar[k].c, &all->scalar[k]));
+    PetscCall(ScalarValues(flow, all->scalar[k].c, 1.0, &all->scalar[k]));
   }
   if (!ExpressionUses(&flow->scene->nu_field, EXPRESSION_FIELDS))
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -289,7 +289,7 @@ static PetscErrorCode Extrapolate(Flow *flow)
     for (PetscInt i = 0; i < p->n_fluid; i++)
       ahead[i] = s->active ? s->c[i] + w * (s->c[i] - s->before[i]) : s->c[i];
     PetscCall(ScalarSetWalls(flow, flow->clock->t + flow->clock->dt, s));
-    PetscCall(ScalarValues(flow, ahead, s));
+    PetscCall(ScalarValues(flow, ahead, 1.0, s));
   }
   PetscCall(PetscFree(ahead));
   PetscFunctionReturn(PETSC_SUCCESS);

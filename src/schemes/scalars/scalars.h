@@ -14,6 +14,11 @@
 #include "isph/strain.h"
 #include "schemes/diffusion/viscosity.h"
 
+/* The law of a part of the border: given - rate c enters, with the value c there [m^dim/s]. */
+typedef struct {
+  PetscReal given, rate, leaving; /* leaving: part of the rate that fluid carries out */
+} PartLaw;
+
 typedef struct {
   const ScalarGiven          *given;
   const ScalarBoundary      **law;   /* of each boundary; NULL: no flux */
@@ -28,17 +33,19 @@ typedef struct {
   char                        before_name[24], kept_name[24], entering_name[32];
 
   StrainCells *cells;
-  Pattern      columns[2]; /* over fluid and over walls */
-  PetscReal   *entry[2];   /* of A and B [m^dim/s] */
+  Pattern      columns[2]; /* of A, and over walls */
+  PetscReal   *entry;      /* of A [m^dim/s] */
   PetscReal   *D;          /* of the cells [m^2/s] */
-  PetscReal   *given_rate; /* of own fluid by boundaries, without its own values [m^dim/s] */
-  PetscReal   *one;        /* of own fluid: A 1 + B 1, without exchange [m^dim/s] */
+  PartLaw     *part;       /* of the parts of the border */
+  PetscReal   *rate;       /* by local index, see ScalarRates() */
+  PetscReal    average;    /* in the fluid; 0 without convection */
   /* due amount in the fluid, now and a step before [m^dim]; least and largest value of start and
      boundaries so far; kept by name in the memory of the scheme */
   PetscReal  kept[4];
   PetscReal *entering; /* by boundary: what entered per time in the last step [m^dim/s] */
+  PetscBool  shell;    /* J only has products and a diagonal, and there is no A */
   Mat        A, J;     /* rates [m^dim/s]; shift V - A - V ds/dc */
-  Vec        volume, source, slope, constant, work, next;
+  Vec        volume, source, slope, scratch, work, next; /* work: shift V - V ds/dc in J */
   PetscInt   epoch, moved, numbered; /* stamps of particles in A, and in the vectors */
   Flow      *flow;                   /* for callbacks */
   TS         ts;
@@ -88,7 +95,10 @@ void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[]);
 /* scalarcells.c */
 PetscErrorCode ScalarSetWalls(const Flow *flow, PetscReal t, Scalar *s);
 PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s);
-PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], Scalar *s);
+PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], PetscReal share, Scalar *s);
+PetscErrorCode ScalarRates(const Flow *flow, const PetscReal c[], PetscReal share, Scalar *s);
+PetscErrorCode ScalarMatrix(const Flow *flow, Scalar *s);
+void           ScalarDiagonal(const Flow *flow, const Scalar *s, PetscReal to[]);
 PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s);
 PetscErrorCode ScalarFindVolumes(Flow *flow);
 PetscErrorCode ScalarFree(Scalar *s);

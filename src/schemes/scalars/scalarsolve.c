@@ -1,7 +1,8 @@
 /* The step of a scalar by PETSc's TS: V dc/dt = A c + B c_w + given + V s(c). */
 #include "scalars.h"
 
-#define RTOL  1e-9 /* of the linear solves: of what boundaries give and the fluid gains */
+#define RTOL  1e-9 /* of the solves of integrators that have no balance to close */
+#define LOOSE 1e-6 /* of those of others */
 #define NUDGE 1e-6 /* of the value, for the slope of a source */
 
 /* Evaluates the source of own particles for values c of the scalar, and its slope ds/dc. */
@@ -39,12 +40,27 @@ static PetscErrorCode SetSource(Scalar *s, PetscReal t, Vec values)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes f = A c + share (what boundaries give). */
+static PetscErrorCode Rates(Scalar *s, PetscReal share, Vec c, Vec f)
+{
+  const PetscScalar *own;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(c, &own));
+  PetscCall(ScalarRates(s->flow, own, share, s));
+  PetscCall(VecRestoreArrayRead(c, &own));
+  PetscCall(VecGetArrayWrite(f, &to));
+  PetscCall(PetscArraycpy(to, s->rate, s->flow->particles->n_fluid));
+  PetscCall(VecRestoreArrayWrite(f, &to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes f = A c + B c_w + given + V s(c). */
 static PetscErrorCode Rate(Scalar *s, PetscReal t, Vec c, Vec f)
 {
   PetscFunctionBegin;
-  PetscCall(MatMult(s->A, c, f));
-  PetscCall(VecAXPY(f, 1.0, s->constant));
+  PetscCall(Rates(s, 1.0, c, f));
   if (!s->given->source.n) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SetSource(s, t, c));
   PetscCall(VecAXPY(f, 1.0, s->source));
@@ -58,8 +74,59 @@ static PetscErrorCode Scalar_IFunction(TS ts, PetscReal t, Vec c, Vec rate, Vec 
   PetscFunctionBegin;
   (void)ts;
   PetscCall(Rate(s, t, c, f));
-  PetscCall(VecPointwiseMult(s->work, s->volume, rate));
-  PetscCall(VecAYPX(f, -1.0, s->work));
+  PetscCall(VecPointwiseMult(s->scratch, s->volume, rate));
+  PetscCall(VecAYPX(f, -1.0, s->scratch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes y = J x. */
+static PetscErrorCode ShellMult(Mat J, Vec x, Vec y)
+{
+  Scalar *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, (void *)&s));
+  PetscCall(Rates(s, 0.0, x, y));
+  PetscCall(VecPointwiseMult(s->scratch, s->work, x));
+  PetscCall(VecAYPX(y, -1.0, s->scratch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
+{
+  PetscScalar *value;
+  Scalar      *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, (void *)&s));
+  PetscCall(VecZeroEntries(diagonal));
+  PetscCall(VecGetArray(diagonal, &value));
+  ScalarDiagonal(s->flow, s, value);
+  PetscCall(VecRestoreArray(diagonal, &value));
+  PetscCall(VecAYPX(diagonal, -1.0, s->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes J from A and the diagonal in work. */
+static PetscErrorCode SetMatrix(Scalar *s, Mat J)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCopy(s->A, J, SAME_NONZERO_PATTERN));
+  PetscCall(MatScale(J, -1.0));
+  PetscCall(MatDiagonalSet(J, s->work, ADD_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a matrix with the entries of a shell, for fallbacks. */
+static PetscErrorCode Flatten(Mat J, Mat *flat)
+{
+  Scalar *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(J, (void *)&s));
+  PetscCall(ScalarMatrix(s->flow, s));
+  PetscCall(MatDuplicate(s->A, MAT_DO_NOT_COPY_VALUES, flat));
+  PetscCall(SetMatrix(s, *flat));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,15 +144,13 @@ static PetscErrorCode Scalar_IJacobian(TS ts, PetscReal t, Vec c, Vec rate, Pets
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
   if (shift == s->shift && !s->is_nonlinear) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCopy(s->A, P, SAME_NONZERO_PATTERN));
-  PetscCall(MatScale(P, -1.0));
   PetscCall(VecCopy(s->volume, s->work));
   PetscCall(VecScale(s->work, shift));
   if (s->is_nonlinear) {
     PetscCall(SetSource(s, t, c));
     PetscCall(VecAXPY(s->work, -1.0, s->slope));
   }
-  PetscCall(MatDiagonalSet(P, s->work, ADD_VALUES));
+  if (!s->shell) PetscCall(SetMatrix(s, P));
   s->shift = shift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +179,8 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   LinearSolve *solve = &s->guard.solve;
   const char  *type  = TSBEULER;
   char         typed[64];
-  PetscBool    given;
+  PetscBool    given, moves = SceneMoves(flow->scene);
+  PetscReal    rtol;
   TSAdapt      adapt;
   SNES         snes;
   PC           pc;
@@ -141,6 +207,7 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   PetscCall(TSGetAdapt(s->ts, &adapt));
   PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
   if (s->row->terms == TIME_EXPLICIT) {
+    s->shell = PETSC_TRUE;
     PetscCall(TSSetRHSFunction(s->ts, NULL, Scalar_RHSFunction, s));
     PetscCall(TSSetFromOptions(s->ts));
     PetscCall(SchemeAddSolve(solve, flow->scheme));
@@ -149,17 +216,20 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   PetscCall(TSSetIFunction(s->ts, NULL, Scalar_IFunction, s));
   PetscCall(TSGetSNES(s->ts, &snes));
   PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard handles failures */
-  PetscCall(SNESSetTolerances(snes, 0.0, RTOL, RTOL, 50, PETSC_CURRENT));
+  rtol = s->row->history ? LOOSE : RTOL;
+  PetscCall(SNESSetTolerances(snes, 0.0, rtol, rtol, 50, PETSC_CURRENT));
   PetscCall(SNESGetKSP(snes, &solve->ksp));
   PetscCall(KSPSetType(solve->ksp, KSPGMRES));
-  PetscCall(KSPSetTolerances(solve->ksp, RTOL, 0.0, PETSC_CURRENT, 1000));
+  PetscCall(KSPSetTolerances(solve->ksp, rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(solve->ksp, &pc));
-  PetscCall(PCSetType(pc, PCBJACOBI));
+  PetscCall(PCSetType(pc, moves ? PCJACOBI : PCBJACOBI));
   PetscCall(KspViewsTake(s->prefix, &s->guard.ksp_views));
   PetscCall(SolverMatType(s->prefix, s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(TSSetFromOptions(s->ts));
   PetscCall(TimeToleranceRefuse(s->ts, s->prefix));
   PetscCall(GuardAttach(solve->ksp, NULL, &s->guard));
+  if (moves) PetscCall(GuardOnlyMultiplies(snes, PCJACOBI, &s->guard, &s->shell));
+  if (s->shell) s->guard.Flatten = Flatten;
   PetscCall(SchemeAddSolve(solve, flow->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -174,7 +244,7 @@ static PetscErrorCode Renumber(Scalar *s)
   if (s->numbered == p->epoch && s->volume) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ScalarFreeVectors(s));
   PetscCall(TSReset(s->ts));
-  for (Vec *v[] = {&s->volume, &s->source, &s->slope, &s->constant, &s->work, &s->next, NULL},
+  for (Vec *v[] = {&s->volume, &s->source, &s->slope, &s->scratch, &s->work, &s->next, NULL},
            **k  = v;
        *k; k++)
     PetscCall(FluidVec(p, NULL, *k));
@@ -185,53 +255,59 @@ static PetscErrorCode Renumber(Scalar *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ScalarFreeVectors - Frees the vectors; collective */
+/* ScalarFreeVectors - Frees the vectors and the Jacobian; collective */
 PetscErrorCode ScalarFreeVectors(Scalar *s)
 {
   PetscFunctionBegin;
   PetscCall(VecDestroy(&s->volume));
   PetscCall(VecDestroy(&s->source));
   PetscCall(VecDestroy(&s->slope));
-  PetscCall(VecDestroy(&s->constant));
+  PetscCall(VecDestroy(&s->scratch));
   PetscCall(VecDestroy(&s->work));
   PetscCall(VecDestroy(&s->next));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes constant = B c_w + given - mean (A 1 + B 1): convection of the difference from the mean,
-   so that a uniform value stays one where the divergence of the cells is not quite zero. */
-static PetscErrorCode SetConstant(Scalar *s)
-{
-  const Particles *p = s->flow->particles;
-  PetscScalar     *to;
-  PetscReal        mean = 0.0;
-
-  PetscFunctionBegin;
-  if (s->flow->state->scalars->flow) {
-    PetscReal amount[2];
-
-    PetscCall(ScalarAmount(s->flow, s->c, amount));
-    mean = amount[0] / amount[1];
-  }
-  PetscCall(VecGetArrayWrite(s->constant, &to));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const Pattern *walls = &s->columns[1];
-
-    to[i] = s->given_rate[i] - mean * s->one[i];
-    for (PetscInt k = walls->row[i]; k < walls->row[i + 1]; k++)
-      to[i] += s->entry[1][k] * s->all[walls->local[k]];
-  }
-  PetscCall(VecRestoreArrayWrite(s->constant, &to));
+  PetscCall(MatDestroy(&s->J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Renews the Jacobian in the solver. */
 static PetscErrorCode SetJacobian(Scalar *s)
 {
+  const Particles *p = s->flow->particles;
+
   PetscFunctionBegin;
   if (!s->guard.solve.ksp) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SolverRenewPC(s->guard.solve.ksp));
+  if (!s->J && !s->shell) PetscCall(MatDuplicate(s->A, MAT_DO_NOT_COPY_VALUES, &s->J));
+  if (!s->J) {
+    PetscCall(MatCreateShell(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, s,
+                             &s->J));
+    PetscCall(MatShellSetOperation(s->J, MATOP_MULT, (void (*)(void))ShellMult));
+    PetscCall(MatShellSetOperation(s->J, MATOP_GET_DIAGONAL, (void (*)(void))ShellGetDiagonal));
+  }
   PetscCall(TSSetIJacobian(s->ts, s->J, s->J, Scalar_IJacobian, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds to the solution at time t the uniform value that closes the balance of the step: the sum of
+   the residual that a solver leaves would be a source. Input: start - the amount at its start. */
+static PetscErrorCode CloseBalance(Scalar *s, PetscReal t, PetscReal dt, PetscReal start)
+{
+  PetscReal gained, amount, change;
+  Vec       one, rate;
+
+  PetscFunctionBegin;
+  if (PetscAbsReal(s->shift * dt - 1.0) > 1e-12) PetscFunctionReturn(PETSC_SUCCESS); /* substeps */
+  PetscCall(VecDuplicate(s->next, &one));
+  PetscCall(VecDuplicate(s->next, &rate));
+  PetscCall(Rate(s, t, s->next, rate));
+  PetscCall(VecSum(rate, &gained));
+  PetscCall(VecDot(s->volume, s->next, &amount));
+  PetscCall(VecSet(one, 1.0));
+  PetscCall(MatMult(s->J, one, rate));
+  PetscCall(VecSum(rate, &change));
+  if (change > 0.0) PetscCall(VecShift(s->next, ((start - amount) / dt + gained) / change));
+  PetscCall(VecDestroy(&one));
+  PetscCall(VecDestroy(&rate));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,7 +322,7 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   const Particles *p  = flow->particles;
   const PetscReal  w  = s->row->history ? ClockRatio(flow->clock) : 0.0;
   const PetscReal  dt = flow->clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
-  PetscReal        h = dt, made = 0.0;
+  PetscReal        h = dt, made = 0.0, start;
   const PetscReal  begin     = flow->clock->t + flow->clock->dt - dt;
   const PetscReal  weight[2] = {PetscSqr(1.0 + w) / (1.0 + 2.0 * w), -w * w / (1.0 + 2.0 * w)};
   PetscScalar     *next;
@@ -254,23 +330,23 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   PetscFunctionBegin;
   PetscCall(ScalarAssemble(flow, s));
   PetscCall(Renumber(s));
-  PetscCall(ScalarValues(flow, s->c, s));
-  PetscCall(SetConstant(s));
   PetscCall(SetJacobian(s));
   PetscCall(ClockWhere(flow->clock, s->guard.where));
   PetscCall(VecGetArrayWrite(s->next, &next));
   for (PetscInt i = 0; i < p->n_fluid; i++)
     next[i] = weight[0] * s->c[i] + weight[1] * s->before[i];
   PetscCall(VecRestoreArrayWrite(s->next, &next));
+  PetscCall(VecDot(s->volume, s->next, &start));
   s->guard.solve.iterations = 0;
   PetscCall(TSSetSolution(s->ts, s->next));
   PetscCall(TSRestartStep(s->ts));
   PetscCall(TimeStepThrough(s->ts, s->row->name, &s->guard, begin, dt, &h, &flow->scheme->failure));
+  if (s->row->history && !flow->scheme->failure.code)
+    PetscCall(CloseBalance(s, flow->clock->t + flow->clock->dt, dt, start));
   PetscCall(VecGetArray(s->next, &next));
   PetscCall(PetscArraycpy(s->before, s->c, p->n_fluid));
   PetscCall(PetscArraycpy(s->c, next, p->n_fluid));
   PetscCall(VecRestoreArray(s->next, &next));
-  PetscCall(ScalarValues(flow, s->c, s));
   PetscCall(ScalarEntering(flow, s));
   if (s->given->source.n) {
     PetscCall(SetSource(s, flow->clock->t + flow->clock->dt, s->next));
