@@ -65,12 +65,12 @@ struct StrainCells {
   PetscInt    *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
   PetscReal   *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
   PetscInt     n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
-  PetscReal   *mean;    /* of a scalar: weights of its mean in cells, at the entries of g[0] */
-  StrainBorder border;  /* of a scalar */
-  PetscReal   *mass;    /* of own fluid: integral of its weight in the fits [m^dim] */
-  PetscReal   *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
-  PetscReal   *rate;    /* sqrt(2 E:E) [1/s] */
-  StrainList   list[2]; /* fluid, walls */
+  PetscReal   *mean;   /* of a scalar: weights of its mean in cells, at the entries of g[0] */
+  StrainBorder border; /* of a scalar */
+  PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
+  PetscReal *strain;             /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal *rate;               /* sqrt(2 E:E) [1/s] */
+  StrainList list[2];            /* fluid, walls */
   /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };

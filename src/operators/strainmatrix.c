@@ -173,7 +173,7 @@ PetscErrorCode StrainScale(const Scene *scene, const Particles *p, const StrainC
       for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
         const PetscInt  c      = s->cell[q][k];
         const PetscReal ratio  = scene->nu > 0.0 ? s->nu[c] / scene->nu : 1.0;
-        const PetscReal factor = -s->volume[c] * ratio / s->mass[i];
+        const PetscReal factor = -s->volume[c] * ratio / s->mass[q][i];
         PetscReal       own[ISPH_MAX_DIM];
 
         for (PetscInt b = 0; b < p->dim; b++) own[b] = factor * s->g[q][b][s->at[q][k]];

@@ -334,7 +334,7 @@ static void TermOfCells(const StressTangent *t, PetscInt i, PetscReal y[])
     y[a] = 0.0;
     for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
       const PetscInt  c = s->cell[q][k];
-      const PetscReal w = s->volume[c] * t->change[c] / s->mass[i];
+      const PetscReal w = s->volume[c] * t->change[c] / s->mass[q][i];
 
       for (PetscInt b = 0; b < t->p->dim; b++)
         y[a] -= w * t->point[c].strain[Component(a, b)] * s->g[q][b][s->at[q][k]];

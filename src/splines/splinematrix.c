@@ -288,7 +288,8 @@ static PetscErrorCode DivideByMass(const Particles *p, const StrainCells *cells,
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(G, NULL, &scale));
   PetscCall(VecGetArrayWrite(scale, &to));
-  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = factor / cells->mass[r / p->dim];
+  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++)
+    to[r] = factor / cells->mass[r % p->dim][r / p->dim];
   PetscCall(VecRestoreArrayWrite(scale, &to));
   PetscCall(MatDiagonalScale(G, scale, NULL));
   PetscCall(VecDestroy(&scale));
@@ -418,7 +419,9 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   if (!OperatorsCutFluids(flow->scene, ops) || !ops->strain) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
                            &cells));
-  PetscCall(PetscArraycpy(cells->mass, ops->strain->mass, p->n_fluid));
+  for (PetscInt a = 0; a < p->dim; a++)
+    PetscCall(PetscArraycpy(cells->mass[a], ops->strain->mass[ops->strain->sets == 1 ? 0 : a],
+                            p->n_fluid));
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
   PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));

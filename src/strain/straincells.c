@@ -521,15 +521,15 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
       s->mean[place[rows->j[e]]] += share * rows->w[e];
   }
   for (PetscInt e = first; e < s->n_entries[q]; e++) place[s->j[q][e]] = -1;
-  for (PetscInt k = facets->first[c]; q == 0 && k < facets->first[c + 1]; k++) {
+  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
     const Facet   *facet = &facets->facet[k];
-    const PetscInt row   = facet->point * s->sets;
+    const PetscInt row   = facet->point * s->sets + q;
     PetscReal      share = 0.0;
 
     for (PetscInt b = 0; b < d; b++) share += PetscAbsReal(facet->normal[b]);
     share *= s->volume[c] / area;
     for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++)
-      if (rows->j[e] < p->n_fluid) s->mass[rows->j[e]] += share * rows->w[e];
+      if (rows->j[e] < p->n_fluid) s->mass[q][rows->j[e]] += share * rows->w[e];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -543,17 +543,17 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(all, &place));
-  PetscCall(PetscFree(s->mass));
-  PetscCall(PetscCalloc1(p->n_fluid + 1, &s->mass));
   for (PetscInt j = 0; j < all; j++) place[j] = -1;
   for (PetscInt q = 0; q < s->sets; q++) {
     s->n_entries[q] = 0;
+    PetscCall(PetscFree(s->mass[q]));
+    PetscCall(PetscCalloc1(p->n_fluid + 1, &s->mass[q]));
     PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->n + 1), &s->first[q]));
     for (PetscInt c = 0; c < s->n; c++) PetscCall(JoinFacets(p, rows, facets, c, q, place, s));
     s->first[q][s->n] = s->n_entries[q];
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      s->mass[q][i] = PetscMax(s->mass[q][i], LEAST_MASS * p->volume[i]);
   }
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    s->mass[i] = PetscMax(s->mass[i], LEAST_MASS * p->volume[i]);
   PetscCall(PetscFree(place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -637,7 +637,6 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->volume));
   PetscCall(PetscFree(s->nu));
   PetscCall(PetscFree(s->fluid));
-  PetscCall(PetscFree(s->mass));
   PetscCall(PetscFree(s->mean));
   PetscCall(PetscFree(s->border.side));
   PetscCall(PetscFree(s->border.row));
@@ -648,6 +647,7 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
     PetscCall(PetscFree(s->centre[q]));
+    PetscCall(PetscFree(s->mass[q]));
     PetscCall(PetscFree(s->first[q]));
     PetscCall(PetscFree(s->j[q]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));

@@ -69,7 +69,7 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
 
         if (j >= p->n_fluid) continue;
         for (PetscInt b = 0; b < d; b++) sum += s->strain[(c * d + a) * d + b] * s->g[q][b][e];
-        to[a][j] -= scale * 2.0 * s->volume[c] * s->nu[c] * sum / s->mass[j];
+        to[a][j] -= scale * 2.0 * s->volume[c] * s->nu[c] * sum / s->mass[q][j];
       }
     }
   }

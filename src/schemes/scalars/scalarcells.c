@@ -102,16 +102,26 @@ PetscErrorCode ScalarFindVolumes(Flow *flow)
     PetscReal amount[2];
 
     if (k == 0) PetscCall(FindCells(flow, s));
-    if (k == 0) PetscCall(PetscArraycpy(all->volume, s->cells->mass, flow->particles->n_fluid));
+    if (k == 0) PetscCall(PetscArraycpy(all->volume, s->cells->mass[0], flow->particles->n_fluid));
     PetscCall(ScalarAmount(flow, s->c, amount));
     s->kept[KEPT_AMOUNT] = s->kept[KEPT_BEFORE] = amount[0];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true for particles of an opening. */
+static PetscBool IsOpen(const Flow *flow, PetscInt j)
+{
+  const Particles *p = flow->particles;
+
+  return ParticlesIsWall(p, j) &&
+         BoundaryIs(flow->scene, (PetscInt)p->side[j], BOUNDARY_INFLOW | BOUNDARY_OUTFLOW);
+}
+
 /* Adds the rates of the cells by local index: of own fluid, and of own points of walls what they
-   take from it. The fluid has convection of the difference from the mean, so that a uniform value
-   stays one although the divergence of the cells is not quite zero. Input: d - the dimension. */
+   take from it. Convection is that of the difference from the mean, but through openings, so that a
+   uniform value stays one although the divergence of the cells is not quite zero. Input: d - the
+   dimension. */
 static inline void AddCells(const Flow *flow, PetscInt d, PetscReal mean, const Scalar *s,
                             PetscReal to[])
 {
@@ -138,7 +148,7 @@ static inline void AddCells(const Flow *flow, PetscInt d, PetscReal mean, const 
       to[j[e]] += sum;
     }
     for (PetscInt e = cells->first[0][c]; w && e < n; e++)
-      for (PetscInt b = 0; b < d && !ParticlesIsWall(flow->particles, j[e]); b++)
+      for (PetscInt b = 0; b < d && !IsOpen(flow, j[e]); b++)
         to[j[e]] -= g[b][e] * cells->volume[c] * past[b] * mean;
   }
 }

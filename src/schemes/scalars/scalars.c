@@ -163,11 +163,18 @@ PetscErrorCode ScalarsRegister(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Builds the cells of the present places, if expressions ask for scalars at any place. */
+/* Builds the cells of the present places, if expressions ask for scalars at any place, or walls for
+   the velocity of the fluid beside them. */
 static PetscErrorCode FindPlaces(Flow *flow)
 {
+  const Scene *scene = flow->scene;
+  PetscBool    slips = PETSC_FALSE;
+
   PetscFunctionBegin;
-  if (ExpressionUses(&flow->scene->force, EXPRESSION_FIELDS) ||
+  for (PetscInt k = 0; k < SceneBoundaries(scene) * scene->dim && !SceneMoves(scene); k++)
+    if (BoundaryVelocityEquation(scene, k / scene->dim, k % scene->dim) != EQUATION_VALUE)
+      slips = PETSC_TRUE;
+  if (slips || ExpressionUses(&flow->scene->force, EXPRESSION_FIELDS) ||
       (flow->scene->rheology.typed &&
        ExpressionUses(flow->scene->rheology.typed, EXPRESSION_FIELDS)))
     PetscCall(CellsBuild(flow->particles, flow->particles->dx[0], &flow->state->scalars->cells));
@@ -267,6 +274,7 @@ static PetscErrorCode SetFlow(Flow *flow)
     PetscCall(FlowAllVelocities(flow, v, &all->flow));
     for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++)
       for (PetscInt a = 0; a < d; a++) all->flow[i * d + a] = p->u[a][i];
+    PetscCall(ScalarSlip(flow, all->flow));
     PetscCall(ParticlesHaloVectors(p, all->flow));
   }
   for (PetscInt a = 0; a < d; a++) PetscCall(FlowRestoreWork(flow, &v[a]));

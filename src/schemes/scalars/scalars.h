@@ -87,6 +87,7 @@ PetscErrorCode ScalarsCreate(Flow *flow);
 PetscErrorCode ScalarsSetUp(Flow *flow);
 PetscErrorCode ScalarsRegister(Flow *flow);
 PetscErrorCode ScalarsBegin(Flow *flow);
+PetscErrorCode ScalarSlip(const Flow *flow, PetscReal u[]);
 PetscErrorCode ScalarsDestroy(Flow *flow);
 
 void ScalarBoundaryName(const Scene *scene, PetscInt side, char name[]);
