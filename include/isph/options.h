@@ -186,6 +186,7 @@ void           ExpressionScopeFieldsAt(ExpressionScope *scope, FieldsAt fields, 
 PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope);
 PetscBool      ExpressionScopeIsIdle(const ExpressionScope *scope);
 PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope);
+PetscBool      ExpressionScopeForget(ExpressionScope *scope);
 
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e);

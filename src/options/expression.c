@@ -131,6 +131,16 @@ PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
 }
 
+/* ExpressionScopeForget - Forgets a value that was not finite; returns true if there was one on
+   this rank; not collective */
+PetscBool ExpressionScopeForget(ExpressionScope *scope)
+{
+  const PetscBool fault = scope && scope->fault[0] ? PETSC_TRUE : PETSC_FALSE;
+
+  if (fault) scope->fault[0] = '\0';
+  return fault;
+}
+
 /*
   ExpressionScopeCheck - Ends the run if an expression had an infinite value or NaN on any rank
 

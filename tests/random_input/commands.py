@@ -91,6 +91,10 @@ def scene_input(rng):
         words += [f"-scene_filled_{k}", shape(rng)]
     for k in range(1, 1 + rng.choice((0, 0, 1, 2, 5))):
         words += [f"-scene_fluid_{k}", shape(rng), f"-scene_fluid_{k}_viscosity", f"{10 ** rng.uniform(-6, 4):.3g}"]
+        if rng.random() < 0.2:
+            words += [f"-scene_fluid_{k}_density", f"{10 ** rng.uniform(-3, 3):.3g}"]
+        if rng.random() < 0.2:
+            words += [f"-scene_fluid_{k}_tension", f"{10 ** rng.uniform(-3, 1):.3g}"]
     for side in "left", "right", "bottom", "top":
         if rng.random() < 0.15:
             words += [f"-scene_wall_{side}_velocity", f"{number(rng)},{number(rng)}"]
@@ -108,6 +112,12 @@ def scene_input(rng):
         words += ["-scene_scalar_1_name", "T", "-scene_scalar_1_start", expression(rng), "-scene_scalar_1_diffusivity",
                   f"{10 ** rng.uniform(-4, 2):.3g}", f"-scene_scalar_1_{rng.choice(('value', 'flux'))}",
                   f"{rng.choice(('left', 'top', 'body_1', 'walls'))}: {number(rng)}"]
+        if rng.random() < 0.4:
+            words += ["-scene_scalar_1_source", rng.choice((expression(rng), "exp(T)", "T*g^2"))]
+        if rng.random() < 0.4:
+            words += ["-scene_scalar_1_exchange", f"{rng.choice(('right', 'bottom', 'surface'))}: {number(rng)},{number(rng)}"]
+        if rng.random() < 0.4:
+            words += ["-viscosity_field", rng.choice(("exp(-T)", "1+T", "exp(-T)*g^(-0.5)"))]
     if rng.random() < 0.3:
         words += ["-body_force", f"{number(rng)},{number(rng)}"]
     if rng.random() < 0.3:

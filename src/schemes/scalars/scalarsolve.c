@@ -1,9 +1,10 @@
 /* The step of a scalar by PETSc's TS: V dc/dt = A c + B c_w + given + V s(c). */
 #include "scalars.h"
 
-#define RTOL  1e-9 /* of the solves of integrators that have no balance to close */
-#define LOOSE 1e-6 /* of those of others */
-#define NUDGE 1e-6 /* of the value, for the slope of a source */
+#define RTOL  1e-9   /* of the solves of integrators that have no balance to close */
+#define LOOSE 1e-6   /* of those of others */
+#define TINY  1e-300 /* residual of a solve that has nothing to do */
+#define NUDGE 1e-6   /* of the value, for the slope of a source */
 
 /* Evaluates the source of own particles for values c of the scalar, and its slope ds/dc. */
 static PetscErrorCode SetSource(Scalar *s, PetscReal t, Vec values)
@@ -217,7 +218,7 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   PetscCall(TSGetSNES(s->ts, &snes));
   PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard handles failures */
   rtol = s->row->history ? LOOSE : RTOL;
-  PetscCall(SNESSetTolerances(snes, 0.0, rtol, rtol, 50, PETSC_CURRENT));
+  PetscCall(SNESSetTolerances(snes, TINY, rtol, rtol, 50, PETSC_CURRENT));
   PetscCall(SNESGetKSP(snes, &solve->ksp));
   PetscCall(KSPSetType(solve->ksp, KSPGMRES));
   PetscCall(KSPSetTolerances(solve->ksp, rtol, 0.0, PETSC_CURRENT, 1000));
@@ -312,6 +313,53 @@ static PetscErrorCode CloseBalance(Scalar *s, PetscReal t, PetscReal dt, PetscRe
 }
 
 /*
+  Fails a step in which the source has no finite value, or in which the change z of the scalar grows
+  by itself e-fold or more,
+
+    z^T (A + V ds/dc) z >= z^T V z/h
+
+  Beside a steady state that attracts the left side is negative, for steps of any length. Before it
+  is as large as the right side Newton's iteration ends; then half of it is enough.
+
+  Collective. Expressions had finite values before the step.
+*/
+static PetscErrorCode Runaway(Flow *flow, Scalar *s)
+{
+  PetscBool    fails = ExpressionScopeForget(flow->scene->scope);
+  PetscReal    grows, amount;
+  PetscScalar *change;
+  char         where[CLOCK_WHERE];
+  Vec          z, Jz;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fails, 1, MPIU_BOOL, MPI_LOR, flow->particles->comm));
+  if (!fails && s->J && PetscIsNormalReal(s->shift)) {
+    PetscCall(VecDuplicate(s->next, &z));
+    PetscCall(VecDuplicate(s->next, &Jz));
+    PetscCall(VecCopy(s->next, z));
+    PetscCall(VecGetArray(z, &change));
+    for (PetscInt i = 0; i < flow->particles->n_fluid; i++) change[i] -= s->c[i];
+    PetscCall(VecRestoreArray(z, &change));
+    PetscCall(MatMult(s->J, z, Jz));
+    PetscCall(VecDot(z, Jz, &grows));
+    PetscCall(VecPointwiseMult(Jz, s->volume, z));
+    PetscCall(VecDot(z, Jz, &amount));
+    PetscCall(VecDestroy(&z));
+    PetscCall(VecDestroy(&Jz));
+    fails = grows < (flow->scheme->failure.code ? 0.5 : 0.0) * s->shift * amount;
+  }
+  if (!fails) PetscFunctionReturn(PETSC_SUCCESS);
+  flow->scheme->failure.code = PETSC_SUCCESS;
+  PetscCall(ClockWhere(flow->clock, where));
+  FailureSet(
+      &flow->scheme->failure, PETSC_ERR_NOT_CONVERGED,
+      "%s: %s runs away: by %s it grows e-fold within the step, and without bound if it does "
+      "so with a smaller -dt too; then the flow has no steady state",
+      where, s->given->name, s->given->source.option);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   ScalarSolve - Advances a scalar over the step of the clock
 
   Collective. Sets scheme->failure if the TS diverges, or if no method reaches a small residual.
@@ -328,6 +376,7 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   PetscScalar     *next;
 
   PetscFunctionBegin;
+  if (s->is_nonlinear) PetscCall(ExpressionScopeCheck(flow->scene->scope));
   PetscCall(ScalarAssemble(flow, s));
   PetscCall(Renumber(s));
   PetscCall(SetJacobian(s));
@@ -341,8 +390,9 @@ PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
   PetscCall(TSSetSolution(s->ts, s->next));
   PetscCall(TSRestartStep(s->ts));
   PetscCall(TimeStepThrough(s->ts, s->row->name, &s->guard, begin, dt, &h, &flow->scheme->failure));
-  if (s->row->history && !flow->scheme->failure.code)
-    PetscCall(CloseBalance(s, flow->clock->t + flow->clock->dt, dt, start));
+  if (s->is_nonlinear) PetscCall(Runaway(flow, s));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->row->history) PetscCall(CloseBalance(s, flow->clock->t + flow->clock->dt, dt, start));
   PetscCall(VecGetArray(s->next, &next));
   PetscCall(PetscArraycpy(s->before, s->c, p->n_fluid));
   PetscCall(PetscArraycpy(s->c, next, p->n_fluid));
