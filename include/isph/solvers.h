@@ -85,6 +85,8 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
 PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A);
 
 /* timestep.c */
+PetscErrorCode TimeCreate(const char prefix[], const char name[], const char type[],
+                          PetscBool linear, TS *ts);
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);
 PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[]);
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,

@@ -80,6 +80,28 @@ static PetscErrorCode TimeMonitor(TS ts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* TimeCreate - Creates a TS whose time the run controls, without options; collective. Input: prefix
+   - of its options; name - of what it advances; type - of the TS; linear - the rates are */
+PetscErrorCode TimeCreate(const char prefix[], const char name[], const char type[],
+                          PetscBool linear, TS *ts)
+{
+  TSAdapt adapt;
+
+  PetscFunctionBegin;
+  PetscCall(TSCreate(PETSC_COMM_WORLD, ts));
+  PetscCall(TSSetOptionsPrefix(*ts, prefix));
+  PetscCall(PetscObjectSetName((PetscObject)*ts, name));
+  PetscCall(TSSetProblemType(*ts, linear ? TS_LINEAR : TS_NONLINEAR));
+  PetscCall(TSSetType(*ts, type));
+  PetscCall(TSSetExactFinalTime(*ts, TS_EXACTFINALTIME_STEPOVER));
+  PetscCall(TSSetMaxSteps(*ts, PETSC_INT_MAX - 1));
+  PetscCall(TSSetMaxTime(*ts, PETSC_MAX_REAL));
+  PetscCall(TSSetErrorIfStepFails(*ts, PETSC_FALSE));
+  PetscCall(TSGetAdapt(*ts, &adapt));
+  PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   TimeStepThrough - Advances a TS from t over dt; TSSetSolution() has set its solution
 

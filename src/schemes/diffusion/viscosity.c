@@ -87,15 +87,8 @@ static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
   PetscFunctionBegin;
   v->component[c].visc = v;
   v->component[c].c    = c;
-  PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
-  PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
-  PetscCall(PetscObjectSetName((PetscObject)v->ts[c], v->systems > 1 ? names[c] : "velocity"));
-  PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
-  PetscCall(TSSetType(v->ts[c], v->row->name));
-  PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
-  PetscCall(TSSetMaxSteps(v->ts[c], PETSC_INT_MAX - 1));
-  PetscCall(TSSetMaxTime(v->ts[c], PETSC_MAX_REAL));
-  PetscCall(TSSetErrorIfStepFails(v->ts[c], PETSC_FALSE));
+  PetscCall(TimeCreate("visc_", v->systems > 1 ? names[c] : "velocity", v->row->name, !v->nonlinear,
+                       &v->ts[c]));
   if (v->row->terms != TIME_IMPLICIT)
     PetscCall(TSSetRHSFunction(v->ts[c], NULL, ViscosityRHSFunction, &v->component[c]));
   if (v->row->terms != TIME_EXPLICIT)
@@ -183,10 +176,6 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
   }
   PetscCall(SolverViewTake("visc_", "-ts_view", &v->guard.ts_view));
   for (PetscInt c = 0; c < v->systems; c++) {
-    TSAdapt adapt;
-
-    PetscCall(TSGetAdapt(v->ts[c], &adapt));
-    PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
     PetscCall(TSSetFromOptions(v->ts[c]));
     PetscCall(TimeToleranceRefuse(v->ts[c], "visc_"));
   }

@@ -182,7 +182,6 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   char         typed[64];
   PetscBool    given, moves = SceneMoves(flow->scene);
   PetscReal    rtol;
-  TSAdapt      adapt;
   SNES         snes;
   PC           pc;
 
@@ -196,17 +195,7 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   PetscCall(TableWant(&ViscousIntegratorTable, s->option, given ? typed : type, &s->row));
   PetscCall(TimeOptionsRefuse(s->prefix, s->row->name));
   solve->integrator = s->row->name;
-  PetscCall(TSCreate(PETSC_COMM_WORLD, &s->ts));
-  PetscCall(TSSetOptionsPrefix(s->ts, s->prefix));
-  PetscCall(PetscObjectSetName((PetscObject)s->ts, s->given->name));
-  PetscCall(TSSetProblemType(s->ts, s->is_nonlinear ? TS_NONLINEAR : TS_LINEAR));
-  PetscCall(TSSetType(s->ts, s->row->name));
-  PetscCall(TSSetExactFinalTime(s->ts, TS_EXACTFINALTIME_STEPOVER));
-  PetscCall(TSSetMaxSteps(s->ts, PETSC_INT_MAX - 1));
-  PetscCall(TSSetMaxTime(s->ts, PETSC_MAX_REAL));
-  PetscCall(TSSetErrorIfStepFails(s->ts, PETSC_FALSE));
-  PetscCall(TSGetAdapt(s->ts, &adapt));
-  PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
+  PetscCall(TimeCreate(s->prefix, s->given->name, s->row->name, !s->is_nonlinear, &s->ts));
   if (s->row->terms == TIME_EXPLICIT) {
     s->shell = PETSC_TRUE;
     PetscCall(TSSetRHSFunction(s->ts, NULL, Scalar_RHSFunction, s));

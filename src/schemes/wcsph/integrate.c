@@ -131,26 +131,15 @@ static PetscErrorCode RegisterMidpoint(void)
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w)
 {
   PetscBool given;
-  TSAdapt   adapt;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, "wcsph_", "-ts_type", &given));
   UserCheck(!given, "-wcsph_ts_type: -scheme wcsph has Runge-Kutta methods; use -wcsph_ts_rk_type");
   PetscCall(TimeOptionsRefuse("wcsph_", TSRK));
   PetscCall(RegisterMidpoint());
-  PetscCall(TSCreate(PETSC_COMM_WORLD, &w->ts));
-  PetscCall(TSSetOptionsPrefix(w->ts, "wcsph_"));
-  PetscCall(PetscObjectSetName((PetscObject)w->ts, "flow"));
-  PetscCall(TSSetProblemType(w->ts, TS_NONLINEAR));
-  PetscCall(TSSetType(w->ts, TSRK));
+  PetscCall(TimeCreate("wcsph_", "flow", TSRK, PETSC_FALSE, &w->ts));
   PetscCall(TSRKSetType(w->ts, "3"));
-  PetscCall(TSSetExactFinalTime(w->ts, TS_EXACTFINALTIME_STEPOVER));
-  PetscCall(TSSetMaxSteps(w->ts, PETSC_INT_MAX - 1));
-  PetscCall(TSSetMaxTime(w->ts, PETSC_MAX_REAL));
-  PetscCall(TSSetErrorIfStepFails(w->ts, PETSC_FALSE));
   PetscCall(TSSetRHSFunction(w->ts, NULL, RateFunction, w));
-  PetscCall(TSGetAdapt(w->ts, &adapt));
-  PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
   PetscCall(SolverViewTake("wcsph_", "-ts_view", &w->guard.ts_view));
   PetscCall(TSSetFromOptions(w->ts));
   PetscCall(TimeToleranceRefuse(w->ts, "wcsph_"));
