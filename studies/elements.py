@@ -3,6 +3,8 @@ velocity of second and pressure of first order on triangles with sides of second
 
     rho (du/dt + (u - w).grad u + 2 omega x u) = -grad p + div(mu (grad u + grad u^T)) + f,    div u = 0
 
+mu is a constant, or a Law of the strain rate g = sqrt(2 E:E), E = (grad u + grad u^T)/2.
+
 Forces and torques on pieces of the border are reactions, the residual of the equations of their nodes, tested with rigid
 motions: they converge twice as fast as integrals of stresses (Babuska and Miller 1984)."""
 import numpy as np
@@ -27,6 +29,20 @@ def quadratic(r, s):
     return value, np.stack([dr, ds], 2)
 
 
+class Law:
+    """A fluid of Herschel and Bulkley, mu = K (g^2 + e^2)^((n-1)/2) + yield (g^2 + e^2)^(-1/2), regularised after M. Bercovier and
+    M. Engelman (J. Comput. Phys. 36 (1980) 313): stresses of flowing fluid err by yield (e/g)^2/2."""
+
+    def __init__(self, consistency=1.0, exponent=1.0, stress=0.0, least=1e-4):
+        self.consistency, self.exponent, self.stress, self.least = consistency, exponent, stress, least
+
+    def parts(self, square, e):
+        """Returns mu, its derivative to g^2/2, and the density of the potential, whose derivative to g^2/2 is mu."""
+        s, k, n = square + e * e, self.consistency, self.exponent
+        return (k * s ** ((n - 1) / 2) + self.stress * s**-0.5, k * (n - 1) * s ** ((n - 3) / 2) - self.stress * s**-1.5,
+                k * s ** ((n + 1) / 2) / (n + 1) + self.stress * s**0.5)
+
+
 class Flow:
     """A flow on a mesh: unknowns are u of all nodes, v of all nodes, p of the corners. `velocity` has a function of points
     for some pieces of the border, {(loop, piece): f}, f(x) of shape (nodes, 2); other pieces have no stress. Pairs in
@@ -34,7 +50,8 @@ class Flow:
     centrifugal force is in the pressure."""
 
     def __init__(self, mesh, mu=1.0, rho=0.0, velocity=None, force=(0.0, 0.0), omega=0.0, periodic=()):
-        self.mesh, self.mu, self.rho = mesh, mu, rho
+        self.mesh, self.rho, self.law = mesh, rho, mu if isinstance(mu, Law) else None
+        self.mu = 1.0 if self.law else mu  # of the first guess
         self.nodes, self.size = len(mesh.x), 2 * len(mesh.x) + mesh.corners
         self.phi, slope = quadratic(*RULE[:, :2].T)
         self.psi = np.stack([1 - RULE[:, 0] - RULE[:, 1], RULE[:, 0], RULE[:, 1]], 1)
@@ -75,6 +92,66 @@ class Flow:
         block[:, 6:12, :6] += 2 * self.rho * omega * mass
         self.mass = mass
         return block
+
+    def strain(self, w):
+        """Returns 2 E at points, (elements, points, 2, 2)."""
+        e = self.mesh.elements
+        nodal = np.stack([w[:self.nodes][e], w[self.nodes:2 * self.nodes][e]], -1)
+        gradient = np.einsum("mqib,mia->mqab", self.slope, nodal)
+        return gradient + gradient.swapaxes(2, 3)
+
+    def viscous(self, w, e):
+        """Returns the viscous forces of the law at w, their derivative, both without those of mu, and the potential."""
+        twice = self.strain(w)
+        mu, slope, potential = self.law.parts(0.5 * np.einsum("mqab,mqab->mq", twice, twice), e)
+        weight, g = self.weight, self.slope
+        block = np.zeros((len(weight), 15, 15))
+        pull = np.einsum("mqab,mqib->mqia", twice, g)  # derivative of g^2/2 to the nodes
+        extra = (mu - self.mu) * weight
+        both = np.einsum("mq,mqia,mqja->mij", extra, g, g, optimize=True)
+        for a in (0, 1):
+            for b in (0, 1):
+                part = np.einsum("mq,mqi,mqj->mij", extra, g[..., b], g[..., a], optimize=True) + (a == b) * both
+                part += np.einsum("mq,mqi,mqj->mij", slope * weight, pull[..., a], pull[..., b], optimize=True)
+                block[:, 6 * a:6 * a + 6, 6 * b:6 * b + 6] = part
+        force = np.einsum("mq,mqia->mia", extra, pull, optimize=True)
+        nodes = np.concatenate([self.mesh.elements, self.mesh.elements + self.nodes], 1)
+        vector = np.bincount(nodes.ravel(), np.concatenate([force[..., 0], force[..., 1]], 1).ravel(), self.size)
+        return vector, self.assemble(block), np.sum(potential * weight)
+
+    def plastic(self, start=None, first=1.0, factor=3.0, tolerance=1e-8, rounds=60, watch=None):
+        """Returns all unknowns of the steady flow of a law without inertia, by Newton's method: its regularisation falls from
+        first to its least by factors. Steps that do not lessen the potential are halved."""
+        w = self.steady() if start is None else start
+        e = max(first, self.law.least)
+        while True:
+            last = e <= self.law.least
+            for turn in range(rounds):
+                vector, extra, potential = self.viscous(w, e)
+                residual = self.extend.T @ (self.load - self.linear @ w - vector)
+                change = self.solve(self.linear + extra, residual)
+                moved = np.abs(change[:2 * self.nodes]).max() / np.abs(w[:2 * self.nodes]).max()
+                share, full = 1.0, change.copy()
+                full[:2 * self.nodes] = 0
+                before = potential - self.load @ w
+                while share > 1e-4 and moved > 1e-6 and self.potential(w + share * change, e) > before + 1e-12 * abs(before):
+                    share /= 2
+                w = w + share * (change - full) + full
+                if watch:
+                    watch(e, turn, moved, share)
+                if moved * share < (tolerance if last else 0.02):
+                    break
+            else:
+                raise ValueError(f"Newton's method did not converge: regularisation {e:g}, change {moved:.1e}")
+            if last:
+                self.e = e
+                return self.levelled(w)
+            e = max(e / factor, self.law.least)
+
+    def potential(self, w, e):
+        """Returns the potential of the law at w, less the work of the load."""
+        twice = self.strain(w)
+        return np.sum(self.law.parts(0.5 * np.einsum("mqab,mqab->mq", twice, twice), e)[2] * self.weight) - self.load @ w
 
     def inertia(self, factor):
         """Returns the matrix of factor times rho times the mass of velocities."""
@@ -174,7 +251,7 @@ class Flow:
     def reaction(self, w, pieces, centre=(0.0, 0.0), steady=True):
         """Returns force and torque about a centre (fx, fy, torque) of the fluid on pieces of the border, per length."""
         convected = self.convection(w, False)[0] if self.rho and steady else 0
-        residual = self.linear @ w + convected - self.load
+        residual = self.linear @ w + convected - self.load + (self.viscous(w, self.e)[0] if self.law else 0)
         nodes = np.unique(np.concatenate([self.mesh.border[piece] for piece in pieces]))
         fx, fy = -residual[nodes], -residual[nodes + self.nodes]
         x, y = (self.mesh.x[nodes] - centre).T

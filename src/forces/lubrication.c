@@ -167,18 +167,19 @@ static PetscErrorCode GapForce(const Flow *flow, const Gap *gap, const Facets *s
 /* LubricationAdd - Adds the lubrication in narrow gaps between a boundary with facets s, and finer
    ones, and all others, less the force of the computed pressure there, to force and torque [N], [N
    m]: along the normal at the least gap; collective. Notes: of gaps with the same boundary the
-   least counts; sliding and rolling have the computed stress alone, and so has the fluid. */
+   least counts; sliding and rolling have the computed stress alone, and so has the fluid; fluids
+   whose viscosity follows the strain rate have none. */
 PetscErrorCode LubricationAdd(const Flow *flow, PetscInt side, const Facets *s, const Facets *fine,
                               const PetscReal centre[], PetscReal F[], PetscReal T[])
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  if (!SceneHas(scene, PHYSICS_VISCOSITY) || !flow->particles->p)
+  if (!SceneHas(scene, PHYSICS_VISCOSITY) || !SceneIsNewtonian(scene) || !flow->particles->p)
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt other = 0; other < SceneBoundaries(scene); other++) {
     Gap             gap  = {.side = side, .other = other};
-    const PetscReal rate = 0.0;
+    const PetscReal rate = 0.0; /* the viscosity of the fluid follows no strain */
     PetscReal       nu, force = 0.0, load[ISPH_MAX_DIM];
 
     if (other == side || !BoundaryIs(scene, other, BOUNDARY_NO_SLIP)) continue;

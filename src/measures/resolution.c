@@ -140,22 +140,22 @@ static void SetErrors(const Flow *flow, const Sums *sums, Resolution *resolution
   resolution->path = (clock->order > 1 ? PetscSqr(turn) / 3.0 : 0.5 * turn) * rate * time;
 }
 
-/* Returns the distance from particle i in which the strain rate falls to zero with its steepest
-   slope, at most the radius of the support [m]. Input: rate - by local index [1/s]. */
-static PetscReal FallDistance(const Flow *flow, const PetscReal rate[], PetscInt i)
+/* Returns the steepest fall of a positive quantity from particle i to a neighbour, over their
+   distance; 0 at its minimum. Input: value - by local index. */
+static PetscReal SteepestFall(const Flow *flow, const PetscReal value[], PetscInt i)
 {
   const Particles *p     = flow->particles;
   const Pattern   *fluid = &flow->ops->rows.fluid;
-  PetscReal        slope = rate[i] / flow->ops->forms.radius;
+  PetscReal        slope = 0.0;
 
   for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
     const PetscInt j      = fluid->local[s];
     PetscReal      square = 0.0;
 
     for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (rate[j] < rate[i]) slope = PetscMax(slope, (rate[i] - rate[j]) / PetscSqrtReal(square));
+    if (value[j] < value[i]) slope = PetscMax(slope, (value[i] - value[j]) / PetscSqrtReal(square));
   }
-  return rate[i] / slope;
+  return slope;
 }
 
 /*
@@ -166,37 +166,45 @@ static PetscReal FallDistance(const Flow *flow, const PetscReal rate[], PetscInt
 
   Between a wall and a rigid part the strain rate falls linearly to zero at the distance D, so that
   3/2 of the mean of D is the thickness of the layer. The fits of g widen it. D is at most the
-  radius of the support. With the exact velocity of channels N errs by at most 10 % up to 3.
+  radius of the support. With the exact velocity of channels N errs by at most 10 % up to 3. If no
+  particle yields, but the stress half a spacing beyond one would, the layers lie between particles
+  and walls: then N has its least value, 1/2.
 */
 static PetscErrorCode LayerThickness(const Flow *flow, Resolution *resolution)
 {
-  const Particles *p = flow->particles;
-  const Rheology  *r = &flow->scene->rheology;
-  PetscReal       *rate, stress, sum[3] = {0.0, 0.0, 0.0};
+  const Particles *p     = flow->particles;
+  const Rheology  *r     = &flow->scene->rheology;
+  const PetscReal  yield = r->parameter[RHEOLOGY_YIELD];
+  PetscReal       *rate, *tau, sum[3] = {0.0, 0.0, 0.0}, most[2] = {0.0, 0.0};
 
   PetscFunctionBegin;
   resolution->layer = resolution->excess = 0.0;
   if (!r->row || !(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_YIELD)))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(ParticlesAll(p), &rate));
+  PetscCall(PetscMalloc2(ParticlesAll(p), &rate, ParticlesAll(p), &tau));
   PetscCall(OperatorsStrainRate(flow->ops, p, flow->state->u, flow->walls.u, rate));
   PetscCall(ParticlesHaloField(p, rate));
+  for (PetscInt i = 0; i < ParticlesAll(p); i++)
+    tau[i] = RheologyViscosity(r, NULL, rate[i]) * rate[i];
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal tau = RheologyViscosity(r, NULL, rate[i]) * rate[i];
-    const PetscReal w   = ParticlesWeight(p, i) * tau * rate[i];
+    const PetscReal w    = ParticlesWeight(p, i) * tau[i] * rate[i];
+    const PetscReal fall = PetscMax(SteepestFall(flow, rate, i), rate[i] / flow->ops->forms.radius);
 
     if (!(rate[i] > 0.0)) continue;
-    sum[0] += w * FallDistance(flow, rate, i) / p->dx[i];
+    most[0] = PetscMax(most[0], tau[i]);
+    most[1] = PetscMax(most[1], tau[i] + 0.5 * p->dx[i] * SteepestFall(flow, tau, i));
+    sum[0] += w * rate[i] / fall / p->dx[i];
     sum[1] += w;
-    sum[2] += w * tau;
+    sum[2] += w * tau[i];
   }
-  PetscCall(PetscFree(rate));
+  PetscCall(PetscFree2(rate, tau));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, p->comm));
   if (!(sum[1] > 0.0)) PetscFunctionReturn(PETSC_SUCCESS);
-  stress             = sum[2] / sum[1];
-  resolution->excess = PetscAbsReal(1.0 - r->parameter[RHEOLOGY_YIELD] / stress);
+  resolution->excess = PetscAbsReal(1.0 - yield * sum[1] / sum[2]);
   resolution->layer =
       PetscSqrtReal(PetscMax(PetscSqr(LAYER * sum[0] / sum[1]) - PetscSqr(WIDTH), 0.25));
+  if (most[0] < yield && most[1] > yield) resolution->layer = 0.5;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

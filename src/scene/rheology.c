@@ -428,16 +428,6 @@ PetscErrorCode SceneTypeRheology(Scene *scene)
   SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
 
   Collective. Called after scene->nu, length and speed are set.
-
-  Options Database Keys:
-+ -rheology name             - row of the rheology table
-. -rheology_consistency K    - consistency of power_law [m^2 s^(n-2)]
-. -rheology_exponent n       - exponent of power_law and carreau [-]
-. -rheology_time lambda      - time constant of carreau; default L/U [s]
-. -rheology_viscosity_infinite nu - viscosity of carreau at infinite rate [m^2/s]
-. -rheology_yield tau_0      - yield stress of papanastasiou [m^2/s^2]
-. -rheology_regularisation m - regularisation time of papanastasiou; default n^2 L/U or more [s]
-- -rheology_viscosity_min, -rheology_viscosity_max nu - bounds; see RheologyBound() [m^2/s]
 */
 PetscErrorCode SceneReadRheology(Scene *scene)
 {
