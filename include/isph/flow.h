@@ -102,7 +102,6 @@ typedef struct {
   Vec       divergence;                      /* div u* - source of the present step [1/s] */
   Vec       source;                          /* divergence that particles should have, on the
                                                 own fluid; NULL: zero [1/s] */
-  Vec       lightness;                       /* rho_0/rho of particles; NULL: all are 1 [-] */
   PetscReal tension_energy;                  /* of interfaces, twice, over the mass [m^2/s^2] */
   Vec       interface[ISPH_MAX_DIM];         /* forces of interfaces per unit mass, and weights less
                                                 the body force; NULL: none [m/s^2] */

@@ -117,6 +117,7 @@ typedef struct {
 typedef struct {
   PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
   PetscBool surface;  /* the first of k layers is on the surface, with half a particle volume */
+  PetscBool inside;   /* fluid starts half a spacing below free borders, not on them */
   PetscBool jittered; /* displaced like the fluid, which may come arbitrarily close to them */
 } WallPlacement;
 
@@ -307,6 +308,8 @@ PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, Pe
 PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode VelocityVecRepeat(const Particles *particles, Vec factor, Vec *v);
+PetscErrorCode VelocityRowsDivide(const Particles *particles, PetscReal *const by[],
+                                  PetscReal factor, Mat rows);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode UnknownsVec(const Particles *particles, PetscInt n, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);

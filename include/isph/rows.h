@@ -288,8 +288,9 @@ typedef struct {
   AffineOperator      filter_p; /* residual of the fit of p [-]; wall data: p if given */
   OperatorRows        rows;
   Concentration       concentration;
-  struct StrainCells *strain; /* of a weak form; NULL: none */
-  FreeSurface        *free;   /* NULL: the fluid has no free surface */
+  struct StrainCells *strain;      /* of a weak form; NULL: none */
+  PetscBool           cut_surface; /* its cells end at the free surface */
+  FreeSurface        *free;        /* NULL: the fluid has no free surface */
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
   PetscInt  assemblies;       /* stamp of the matrices: changes with each assembly */
@@ -314,6 +315,7 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
    divergence in each fluid has a penalty; not collective */
 static inline PetscBool OperatorsCutFluids(const Scene *scene, const Operators *ops)
 {
+  if (ops->cut_surface) return PETSC_TRUE;
   return SceneFluids(scene) > 1 && !SceneMixes(scene) && ops->forms.visc.row &&
          ops->forms.visc.row->weak;
 }

@@ -41,7 +41,8 @@ typedef struct {
   PetscInt  sets;   /* components with equations of their own at boundaries: 1 or dim */
   PetscBool normal; /* walls along the axes give their normal velocity only; then sets is dim */
   const PetscBool   *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
-  const FreeSurface *free;  /* the cells end at it, as the last boundary; NULL: there is none */
+  const FreeSurface *free;  /* the cells end at it, of a scalar the last boundary; NULL: none */
+  PetscBool          cut;   /* the cells end at a free surface of their own, see strainsurface.c */
 } StrainQuantity;
 
 /* Parts of boundaries that do not give the value of a scalar, each with a row of its value. */
@@ -51,6 +52,13 @@ typedef struct {
       *x; /* dim values of each: out of the fluid, times area [m^(dim-1)]; centroid */
   StrainRows rows;
 } StrainBorder;
+
+/* Facets of the free surface. */
+typedef struct {
+  PetscInt   n, room, *row; /* number of the point of the first corner; others follow */
+  PetscReal *x;             /* their dim corners, dim numbers each [m] */
+  StrainRows rows;          /* of the velocity at points: `sets` of each */
+} StrainSurface;
 
 typedef struct StrainCells StrainCells;
 
@@ -62,11 +70,12 @@ struct StrainCells {
   PetscInt     *fluid;
   PetscReal    *centre[ISPH_MAX_DIM];
   /* gradients of component set s in cell c: entries [first[s][c], first[s][c + 1]) */
-  PetscInt    *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
-  PetscReal   *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
-  PetscInt     n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
-  PetscReal   *mean;   /* of a scalar: weights of its mean in cells, at the entries of g[0] */
-  StrainBorder border; /* of a scalar */
+  PetscInt     *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];
+  PetscReal    *g[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* weight in du/dx_b at [s][b] [1/m] */
+  PetscInt      n_entries[ISPH_MAX_DIM], room[ISPH_MAX_DIM];
+  PetscReal    *mean;   /* of a scalar: weights of its mean in cells, at the entries of g[0] */
+  StrainBorder  border; /* of a scalar */
+  StrainSurface surface;
   PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
   PetscReal *strain;             /* E of cell c for the last velocity: dim^2 values each [1/s] */
   PetscReal *rate;               /* sqrt(2 E:E) [1/s] */
@@ -91,6 +100,13 @@ void StrainRheology(const Scene *scene, StrainCells *cells);
 PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
+PetscErrorCode StrainTension(const Particles *particles, const StrainCells *cells,
+                             PetscReal force[], PetscReal *area);
+PetscErrorCode StrainTensionSlopes(const Particles *particles, const StrainCells *cells, Mat *Q);
+PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,
+                                const Neighbors *neighbors, const KernelSize *kernel,
+                                const StrainCells *cells, PetscReal value[],
+                                PetscReal *const gradient[]);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
 #endif

@@ -12,6 +12,7 @@
   slows it. See docs/theory.md, (176).
 */
 #include "isph/balance.h"
+#include "isph/strain.h"
 
 #define HEIGHT   0.05 /* error of the height at which particles of a fluid at rest are [dx] */
 #define LOST     2.0  /* energy of a flow that is lost over the most that it can have [-] */
@@ -24,7 +25,7 @@ PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
   const Particles *p    = flow->particles;
   PetscReal        work = 0.0, middle[ISPH_MAX_DIM], f[ISPH_MAX_DIM];
 
-  if (!flow->ops->free || !SceneHas(flow->scene, PHYSICS_BODY_FORCE)) return 0.0;
+  if (!SceneHasFreeSurface(flow->scene) || !SceneHas(flow->scene, PHYSICS_BODY_FORCE)) return 0.0;
   for (PetscInt a = 0; a < p->dim; a++) middle[a] = p->x[a][i] + 0.5 * path[a];
   SceneBodyForce(flow->scene, flow->clock->t + 0.5 * flow->clock->dt, middle, f);
   for (PetscInt a = 0; a < p->dim; a++) work += f[a] * path[a];
@@ -35,7 +36,7 @@ PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
 PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work)
 {
   PetscFunctionBegin;
-  if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, flow->particles->comm));
   flow->scheme->energy.work += work / flow->particles->weight;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -173,6 +174,26 @@ static PetscErrorCode PairPower(const Flow *flow, const Vec u[], PetscReal *powe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the sum of V_c/V nu_c/nu 2 E:E over own cells of a weak form [1/s^2]. */
+static PetscErrorCode CellPower(const Flow *flow, const Vec u[], PetscReal *power)
+{
+  const Particles *p     = flow->particles;
+  StrainCells     *cells = flow->ops->strain;
+
+  PetscFunctionBegin;
+  *power = 0.0;
+  PetscCall(StrainOfVelocity(p, u, flow->walls.u, cells));
+  for (PetscInt c = 0; c < cells->n; c++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+    if (ParticlesHolds(p, x))
+      *power += cells->volume[c] / p->cell_volume * cells->nu[c] / flow->scene->nu *
+                PetscSqr(cells->rate[c]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes the energy per mass that viscosity takes in the step, if the velocity is u, between
    walls at rest [m^2/s^2]; zero, which loosens the bound, without assembled operators. */
 static PetscErrorCode Dissipation(Flow *flow, const Vec u[], PetscReal *energy)
@@ -183,7 +204,8 @@ static PetscErrorCode Dissipation(Flow *flow, const Vec u[], PetscReal *energy)
   PetscFunctionBegin;
   *energy = 0.0;
   if (!form->row || flow->ops->needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
-  if (LaplacianIs(form, FORM_SYMMETRIC) || form->halved) PetscCall(PairPower(flow, u, energy));
+  if (flow->ops->strain) PetscCall(CellPower(flow, u, energy));
+  else if (LaplacianIs(form, FORM_SYMMETRIC) || form->halved) PetscCall(PairPower(flow, u, energy));
   else PetscCall(StrainPower(flow, u, energy));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPIU_SUM, p->comm));
   *energy *= flow->scene->nu * flow->clock->dt / p->weight;
@@ -200,7 +222,7 @@ PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy)
 
   PetscFunctionBegin;
   *energy = flow->state->tension_energy;
-  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->tension == 0.0 || flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < p->n_fluid; i++)
     if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));

@@ -158,7 +158,7 @@ static PetscErrorCode FlightEnd(Flow *flow)
 
 static PetscBool CanFly(const Flow *flow)
 {
-  return flow->ops->free && SceneMoves(flow->scene);
+  return SceneHasFreeSurface(flow->scene) && SceneMoves(flow->scene);
 }
 
 /* Momentum and angular momentum of fluid that touches nothing. */

@@ -150,7 +150,8 @@ static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
   forced        = b->impulse;
   if (rate > 0.0) forced = PetscMin(forced, b->force / rate);
   *bound = b->start + forced + b->walls;
-  if (flow->ops->free && SceneMoves(flow->scene)) PetscCall(EnergyBound(flow, before, bound));
+  if (SceneHasFreeSurface(flow->scene) && SceneMoves(flow->scene))
+    PetscCall(EnergyBound(flow, before, bound));
   *bound = 1.05 * *bound + b->sound + 1e-6 * flow->scene->speed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

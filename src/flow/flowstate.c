@@ -49,7 +49,6 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   PetscCall(VecDestroy(&s->source));
-  PetscCall(VecDestroy(&s->lightness));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,9 +128,9 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->owned_volume) PetscCall(FluidVec(p, NULL, &s->source));
     if (s->owned_volume) PetscCall(VecZeroEntries(s->source));
   }
-  for (PetscInt a = 0; SceneMixes(flow->scene) && a < p->dim; a++)
-    PetscCall(FluidVec(p, NULL, &s->interface[a]));
-  if (SceneMixes(flow->scene)) PetscCall(FluidVec(p, NULL, &s->lightness));
+  for (PetscInt a = 0; a < p->dim; a++)
+    if (SceneMixes(flow->scene) || (flow->ops->cut_surface && flow->scene->tension > 0.0))
+      PetscCall(FluidVec(p, NULL, &s->interface[a]));
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

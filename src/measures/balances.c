@@ -387,7 +387,7 @@ static PetscErrorCode ReportRows(Flow *flow, Report *report)
   PetscReal           value, bound;
 
   PetscFunctionBegin;
-  if (flow->ops->free && SceneMoves(flow->scene))
+  if (SceneHasFreeSurface(flow->scene) && SceneMoves(flow->scene))
     BalanceSet(BALANCE_ENERGY, flow->scheme->energy.gain, PetscAbsReal(flow->scheme->energy.gain),
                flow->scheme->energy.gain_t, &flow->scheme->sheet);
   for (PetscInt k = 0; k < BALANCES; k++) {

@@ -164,7 +164,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
   }
   state->shift->Displace(scene->dim, dx, state->shift_strength, speed, PetscSqrtReal(rate2),
                          flow->clock->dt, gradient_c, shift);
-  if (flow->clock->step == 0 && !flow->ops->free)
+  if (flow->clock->step == 0 && !SceneHasFreeSurface(scene))
     disturbance = state->shift->disturbance * dx * ShiftStepFactor(dx, speed, flow->clock->dt);
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (disturbance > 0.0)
@@ -296,7 +296,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     for (PetscInt a = 0; a < scene->dim; a++) slip[a] += x[a];
     if (p->fluid) InterfaceSlip(p, i, slip);
     *work += EnergyWork(flow, i, path);
-    if (shifting) FollowShift(scene, slopes, i, shift, change);
+    if (shifting && !flow->ops->cut_surface) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (flow->ops->velocity[0].filter_u.needed) {
       PetscReal before[ISPH_MAX_DIM];

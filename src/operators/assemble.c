@@ -379,7 +379,8 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
     PetscCall(PlaceWeights(first + l, ops));
     PetscCall(PlaceApart(batch[l], ops));
     if (!Repeats(ops, first + l)) PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
-    if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, batch[l], first + l, ops);
+    if (ops->needs & NEED_CONCENTRATION && !ops->cut_surface)
+      AssembleConcentration(scene, p, batch[l], first + l, ops);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -388,7 +389,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
 static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const Neighbors *nb,
                                    Operators *ops)
 {
-  const StrainQuantity velocity = {.sets = ops->n_velocity};
+  const StrainQuantity velocity = {.sets = ops->n_velocity, .cut = ops->cut_surface};
   AffineOperator      *visc     = &ops->velocity[0].visc;
 
   PetscFunctionBegin;
@@ -458,6 +459,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   if (weak) PetscCall(AssembleWeak(scene, p, nb, ops));
   else if (ops->forms.components_coupled && ops->velocity[0].visc.needed)
     PetscCall(AssembleViscousBlock(scene, p, ops));
+  if (ops->cut_surface && ops->needs & NEED_CONCENTRATION)
+    PetscCall(StrainUnevenness(scene, p, nb, &kernel, ops->strain, ops->concentration.value,
+                               ops->concentration.gradient));
   ops->rows.particles   = p;
   ops->regularised_rows = 0;
   for (PetscInt l = 0; l < MLS_BATCH; l++)

@@ -309,12 +309,31 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns what a free surface of strain cells lacks in a scene; NULL: nothing. */
+static const char *CutSurfaceFault(const Scene *scene)
+{
+  if (scene->dim == 3) return "no 3D";
+  if (!SceneMoves(scene)) return "moving particles only";
+  if (!scene->n_filled) return "regions -scene_filled_<k> only";
+  if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
+  if (SceneFluids(scene) > 1) return "one fluid";
+  if (scene->n_scalars) return "no scalars";
+  if (scene->n_bodies) return "no bodies";
+  return NULL;
+}
+
 /* Chooses the viscous form of fluids with a free surface, and refuses forms without one. */
 static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   PetscFunctionBegin;
   forms->surface_degree = 2;
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
+  if (forms->visc.row && forms->visc.row->weak) {
+    UserCheck(!CutSurfaceFault(scene),
+              "-visc_laplacian %s: with a free surface it has %s; use mls or pairwise_stress",
+              forms->visc.row->name, CutSurfaceFault(scene));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (scene->dim == 2)
     PetscCall(OptionGetInt(&options[SURFACE_DEGREE], &forms->surface_degree, NULL));
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||

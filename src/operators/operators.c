@@ -236,7 +236,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
-  if (SceneHasFreeSurface(scene)) {
+  ops->cut_surface = SceneHasFreeSurface(scene) && ops->forms.visc.row && ops->forms.visc.row->weak;
+  if (SceneHasFreeSurface(scene) && !ops->cut_surface) {
     PetscCall(PetscNew(&ops->free));
     ops->free->tension = scene->tension;
     ops->free->fitted  = LaplacianFitsSurface(&ops->forms.visc);
@@ -304,6 +305,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   PetscFunctionBegin;
   walls->layers   = 0;
   walls->surface  = ops->forms.wall_surface;
+  walls->inside   = ops->cut_surface;
   walls->jittered = scene->problem->patch;
   if (ops->forms.wall && !ops->forms.wall->on_surface) {
     walls->layers = (PetscInt)PetscCeilReal(ops->forms.radius / SceneCoarsest(scene) - 1e-9);

@@ -39,11 +39,25 @@ static PetscErrorCode ListCells(const Particles *p, StrainCells *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds all particles that share a cell with own fluid particle i to its lists. Input: last - by
-   local index, the last particle with it in its list. */
+/* Adds a particle to a list. */
+static PetscErrorCode ListAdd(PetscInt j, StrainList *l)
+{
+  PetscFunctionBegin;
+  if (l->n == l->room) {
+    l->room = 2 * l->room + 1024;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)l->room, &l->local));
+  }
+  l->local[l->n++] = j;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds own fluid particle i and all that share a cell with it to its lists. Input: last - by local
+   index, the last particle with it in its list. */
 static PetscErrorCode AddNeighbors(const Particles *p, PetscInt i, PetscInt last[], StrainCells *s)
 {
   PetscFunctionBegin;
+  PetscCall(ListAdd(i, &s->list[0]));
+  last[i] = i;
   for (PetscInt q = 0; q < s->sets; q++) {
     for (PetscInt k = s->of[q][i]; k < s->of[q][i + 1]; k++) {
       const PetscInt c = s->cell[q][k];
@@ -51,15 +65,10 @@ static PetscErrorCode AddNeighbors(const Particles *p, PetscInt i, PetscInt last
       for (PetscInt r = 0; r < s->sets; r++) {
         for (PetscInt e = s->first[r][c]; e < s->first[r][c + 1]; e++) {
           const PetscInt j = s->j[r][e];
-          StrainList    *l = &s->list[ParticlesIsWall(p, j) ? 1 : 0];
 
           if (last[j] == i) continue;
           last[j] = i;
-          if (l->n == l->room) {
-            l->room = 2 * l->room + 1024;
-            PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)l->room, &l->local));
-          }
-          l->local[l->n++] = j;
+          PetscCall(ListAdd(j, &s->list[ParticlesIsWall(p, j) ? 1 : 0]));
         }
       }
     }

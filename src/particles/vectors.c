@@ -198,6 +198,24 @@ PetscErrorCode UnknownsVec(const Particles *p, PetscInt n, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* VelocityRowsDivide - Multiplies the rows of velocity component a of own fluid particle i by
+   factor/by[a][i]; collective */
+PetscErrorCode VelocityRowsDivide(const Particles *p, PetscReal *const by[], PetscReal factor,
+                                  Mat rows)
+{
+  PetscScalar *to;
+  Vec          scale;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(rows, NULL, &scale));
+  PetscCall(VecGetArrayWrite(scale, &to));
+  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = factor / by[r % p->dim][r / p->dim];
+  PetscCall(VecRestoreArrayWrite(scale, &to));
+  PetscCall(MatDiagonalScale(rows, scale, NULL));
+  PetscCall(VecDestroy(&scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* VelocityVecRepeat - Creates a vector with a factor of each particle in the rows of its velocity
    components; collective */
 PetscErrorCode VelocityVecRepeat(const Particles *p, Vec factor, Vec *rows)

@@ -16,8 +16,10 @@
   Reference: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */
 #include "splines.h"
+#include "isph/fits.h"
 
-#define ENOUGH 0.35 /* least share of the weight of a spline that is in the fluid [-] */
+#define EXTENSION_RIDGE 1e-3 /* of fits of masters, over the sum of their weights */
+#define ENOUGH          0.35 /* least share of the weight of a spline that is in the fluid [-] */
 
 /* The splines while their masters are sought. */
 typedef struct {
@@ -158,6 +160,69 @@ static PetscBool FindMasters(const SplineLattice *l, const Work *w, PetscInt q, 
     }
   }
   return PETSC_TRUE;
+}
+
+/* Sets the weights of the linear fit of masters, with weights of their distance^-2 and a ridge that
+   leaves their mean where they are in a row. Input: step - from the spline to each. */
+static void FitMasters(PetscInt dim, SplineSlave *slave)
+{
+  const PetscInt terms = dim + 1;
+  PetscReal      M[16] = {0.0}, factor[16], c[4] = {1.0}, sum = 0.0;
+
+  for (PetscInt m = 0; m < slave->n; m++) {
+    PetscReal w = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++) w += PetscSqr((PetscReal)slave->step[m][a]);
+    sum += slave->weight[m] = 1.0 / w;
+    for (PetscInt e = 0; e < terms; e++)
+      for (PetscInt q = 0; q < terms; q++)
+        M[e * terms + q] += slave->weight[m] * (e ? (PetscReal)slave->step[m][e - 1] : 1.0) *
+                            (q ? (PetscReal)slave->step[m][q - 1] : 1.0);
+  }
+  for (PetscInt e = 1; e < terms; e++) M[e * terms + e] += EXTENSION_RIDGE * sum;
+  DenseCholeskyRidge(terms, M, 0.0, factor);
+  DenseCholeskySolve(terms, factor, c);
+  for (PetscInt m = 0; m < slave->n; m++) {
+    PetscReal w = c[0];
+
+    for (PetscInt a = 0; a < dim; a++) w += c[1 + a] * slave->step[m][a];
+    slave->weight[m] *= w;
+  }
+}
+
+/* SplineNearMasters - Gives spline q the linear fit of masters about as near as the nearest;
+   returns false if there is none; not collective. Input: enough - splines that can be masters.
+   Output: slave - n, weight, and indices of masters. */
+PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[], PetscInt q,
+                            SplineSlave *slave)
+{
+  const PetscInt from[ISPH_MAX_DIM] = {-3, -3, -3}, width[ISPH_MAX_DIM] = {7, 7, 7};
+  PetscReal      nearest = PETSC_INFINITY;
+  PetscInt       index[ISPH_MAX_DIM];
+
+  SplineIndex(l->dim, NULL, l->count, q, index);
+  slave->n = 0;
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt k = 0; k < PetscPowInt(7, l->dim); k++) {
+      PetscInt  step[ISPH_MAX_DIM], to[ISPH_MAX_DIM], m;
+      PetscReal d = 0.0;
+
+      SplineIndex(l->dim, from, width, k, step);
+      m = StepTo(l, index, step, to);
+      if (m < 0 || !enough[m]) continue;
+      for (PetscInt a = 0; a < l->dim; a++) d += PetscSqr((PetscReal)step[a]);
+      d = PetscSqrtReal(d);
+      if (pass == 0) nearest = PetscMin(nearest, d);
+      if (pass == 0 || d > nearest + 1.5 || slave->n == SPLINE_MASTERS) continue;
+      for (PetscInt a = 0; a < l->dim; a++) {
+        slave->step[slave->n][a]   = step[a];
+        slave->master[slave->n][a] = to[a];
+      }
+      slave->n++;
+    }
+  }
+  if (slave->n) FitMasters(l->dim, slave);
+  return slave->n ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Gives spline q masters: n, weight and step of `slave`. */

@@ -31,7 +31,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   s = factors->splines;
   p = factors->particles;
   PetscCall(SplinesGradient(s, x, s->fits.value));
-  SplinesLighten(s, s->fits.value);
+  SplinesDivideByInertia(s, s->fits.value);
   if (s->cut[0]) {
     PetscCall(MatMult(s->cut[1], s->cut_gradient, y));
     PetscCall(VecScale(y, -PetscSqr(s->scale)));
@@ -88,7 +88,7 @@ static PetscErrorCode GradientMat(const Splines *s, const Particles *p, Mat *G)
     }
   }
   PetscCall(SplineMatFinish(*G));
-  PetscCall(SplinesLightenRows(s, p, *G));
+  if (s->mixture.inertia) PetscCall(SplinesDivideRows(s, p, *G));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,21 +278,39 @@ static PetscErrorCode Gathered(Mat P, Mat T, Mat *D)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the rows of a matrix over interlaced components by a factor over the masses. */
-static PetscErrorCode DivideByMass(const Particles *p, const StrainCells *cells, PetscReal factor,
-                                   Mat G)
+/* Creates the vector of the volumes of own cells. */
+static PetscErrorCode CellVolumes(const Particles *p, const StrainCells *cells, Mat all,
+                                  Vec *volume)
 {
-  PetscScalar *to;
-  Vec          scale;
+  PetscInt     row = 0;
+  PetscScalar *m;
+  PetscReal    x[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(MatCreateVecs(G, NULL, &scale));
-  PetscCall(VecGetArrayWrite(scale, &to));
-  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++)
-    to[r] = factor / cells->mass[r % p->dim][r / p->dim];
-  PetscCall(VecRestoreArrayWrite(scale, &to));
-  PetscCall(MatDiagonalScale(G, scale, NULL));
-  PetscCall(VecDestroy(&scale));
+  PetscCall(MatCreateVecs(all, NULL, volume));
+  PetscCall(VecGetArrayWrite(*volume, &m));
+  for (PetscInt c = 0; c < cells->n; c++)
+    if (HasCell(p, cells, c, x)) m[row++] = cells->volume[c];
+  PetscCall(VecRestoreArrayWrite(*volume, &m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Replaces the rows of splines at the free surface by E^T D. */
+static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, Mat all, Splines *s)
+{
+  Vec volume;
+  Mat D;
+
+  PetscFunctionBegin;
+  PetscCall(CellVolumes(p, cells, all, &volume));
+  PetscCall(SplineSurfaceExtend(p, all, volume, s));
+  PetscCall(VecDestroy(&volume));
+  for (PetscInt k = 1; k < 3; k++) {
+    if (!s->cut[k]) continue;
+    PetscCall(Gathered(s->surface, s->cut[k], &D));
+    PetscCall(MatDestroy(&s->cut[k]));
+    s->cut[k] = D;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -301,17 +319,13 @@ static PetscErrorCode DivideByMass(const Particles *p, const StrainCells *cells,
 static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, Mat all, Mat part,
                                   PetscReal nu, Vec gamma)
 {
-  PetscInt     row = 0, end;
+  PetscInt     end;
   PetscScalar *g, *m;
   Vec          volume, whole;
-  PetscReal    x[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(MatCreateVecs(all, &whole, &volume));
-  PetscCall(VecGetArrayWrite(volume, &m));
-  for (PetscInt c = 0; c < cells->n; c++)
-    if (HasCell(p, cells, c, x)) m[row++] = cells->volume[c];
-  PetscCall(VecRestoreArrayWrite(volume, &m));
+  PetscCall(CellVolumes(p, cells, all, &volume));
+  PetscCall(MatCreateVecs(all, &whole, NULL));
   PetscCall(MatMultTranspose(all, volume, whole));
   PetscCall(MatMultTranspose(part, volume, gamma));
   PetscCall(VecGetArray(gamma, &g));
@@ -360,7 +374,7 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
     PetscCall(Gathered(part, T[0], &D[0]));
     if (T[1]) PetscCall(Gathered(part, T[1], &D[1]));
     PetscCall(MatTranspose(D[0], MAT_INITIAL_MATRIX, &back));
-    PetscCall(DivideByMass(p, cells, -cell * cell / scene->nu, back));
+    PetscCall(VelocityRowsDivide(p, cells->mass, -cell * cell / scene->nu, back));
     for (PetscInt w = 0; w < 2; w++) {
       if (!D[w]) continue;
       PetscCall(MatDiagonalScale(D[w], gamma, NULL));
@@ -401,7 +415,7 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s)
   Collective. As in the fits of splinefits.c, walls along the axes take part with their normal
   velocity only.
 */
-PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
+PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
 {
   const Particles *p     = flow->particles;
   const Operators *ops   = flow->ops;
@@ -410,7 +424,7 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
   PetscReal        x[ISPH_MAX_DIM];
   Mat              all, T[2] = {NULL, NULL};
 
-  const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE};
+  const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE, .cut = ops->cut_surface};
 
   PetscFunctionBegin;
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
@@ -430,8 +444,11 @@ PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s)
     PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
     PetscCall(Gathered(all, T[1], &s->cut[2]));
   }
+  if (ops->cut_surface) PetscCall(ExtendRows(p, cells, all, s));
+  if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow, s));
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
-  PetscCall(DivideByMass(p, cells, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
+  PetscCall(
+      VelocityRowsDivide(p, cells->mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
   PetscCall(AddJumps(flow, cells, n, all, T, s));
   PetscCall(MatDestroy(&all));
@@ -459,11 +476,7 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
   if (!s->extension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplineClear(s, PETSC_FALSE, 0.0, s->A));
   PetscCall(MatSetOption(s->A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  for (PetscInt k = 0; k < s->n_unused; k++) {
-    const PetscInt row = s->own.start + s->unused[k];
-
-    PetscCall(MatSetValue(s->A, row, row, 1.0, ADD_VALUES));
-  }
+  PetscCall(SplineUnusedRows(s, s->A));
   PetscCall(SplineMatFinish(s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,7 +25,7 @@
 #define SHARE_LEAST 1e-9 /* of a fluid in a spline: below it the spline has one fluid */
 #define MARCH       0.25 /* step of the search for a surface [edges of a cell] */
 #define MARCHES     16
-#define BISECTIONS  48
+#define REFINEMENTS 48
 #define SLOPE_LEAST 1e-2 /* gradients of shares below it have no direction [1/edge of a cell] */
 
 static PetscErrorCode CreateVectors(const Splines *s, SplineMixture *m)
@@ -80,13 +80,13 @@ static PetscErrorCode SetShare(const Particles *p, PetscInt fluid, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moves a point along the gradient of the share to the surface on which it is a half; returns false
-   if there is none near it. */
+/* Moves a point along the gradient of the share to the surface on which it is a half, by steps and
+   then Newton's method between bounds; returns false if there is none near it. */
 static PetscBool MoveToSurface(const Splines *s, const Particles *p, const PetscScalar all[],
                                PetscReal x[])
 {
-  PetscReal       n[ISPH_MAX_DIM], ignored[ISPH_MAX_DIM], from[ISPH_MAX_DIM], size = 0.0;
-  PetscReal       low = 0.0, high = 0.0;
+  PetscReal       n[ISPH_MAX_DIM], slope[ISPH_MAX_DIM], from[ISPH_MAX_DIM], size = 0.0;
+  PetscReal       low = 0.0, high = 0.0, d = 0.0, last = -1.0;
   const PetscReal start = SplineSumAt(s, p, all, x, n) - 0.5;
 
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -95,14 +95,20 @@ static PetscBool MoveToSurface(const Splines *s, const Particles *p, const Petsc
   }
   if (size == 0.0) return PETSC_FALSE;
   for (PetscInt a = 0; a < p->dim; a++) n[a] *= (start > 0.0 ? -1.0 : 1.0) / PetscSqrtReal(size);
-  for (PetscInt k = 0; k < MARCHES + BISECTIONS; k++) {
-    const PetscReal d = k < MARCHES ? low + MARCH * s->scale : 0.5 * (low + high);
+  for (PetscInt k = 0; k < MARCHES + REFINEMENTS; k++) {
+    PetscReal value, along = 0.0;
 
-    if (k < MARCHES && high > 0.0) continue;
+    if (high == 0.0 && k == MARCHES) return PETSC_FALSE;
+    if (high == 0.0) d = low + MARCH * s->scale;
+    else if (d <= low || d >= high) d = 0.5 * (low + high);
+    if (d == last) break;
     for (PetscInt a = 0; a < p->dim; a++) x[a] = from[a] + d * n[a];
-    if ((SplineSumAt(s, p, all, x, ignored) - 0.5) * start > 0.0) low = d;
+    value = SplineSumAt(s, p, all, x, slope) - 0.5;
+    for (PetscInt a = 0; a < p->dim; a++) along += slope[a] * n[a];
+    if (value * start > 0.0) low = d;
     else high = d;
-    if (k == MARCHES - 1 && high == 0.0) return PETSC_FALSE;
+    last = d;
+    d -= along != 0.0 ? value / along : 0.0;
   }
   return PETSC_TRUE;
 }
@@ -205,35 +211,38 @@ static PetscErrorCode AddSurfaceForce(const Particles *p, PetscInt fluid, Spline
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the lightness of particles from the densities of splines. */
-static PetscErrorCode SetLightness(Flow *flow, Splines *s)
+/* Computes the inertia of particles from the densities of splines. */
+static PetscErrorCode SetInertia(Flow *flow, Splines *s)
 {
   SplineMixture     *m = &s->mixture;
   const PetscScalar *from;
+  Vec                work;
 
   PetscFunctionBegin;
-  PetscCall(SplinesValue(s, m->density, flow->state->lightness));
-  PetscCall(VecReciprocal(flow->state->lightness));
-  PetscCall(PetscFree(m->lightness));
-  PetscCall(PetscMalloc1(s->at.n, &m->lightness));
-  PetscCall(VecGetArrayRead(flow->state->lightness, &from));
-  PetscCall(PetscArraycpy(m->lightness, from, s->at.n));
-  PetscCall(VecRestoreArrayRead(flow->state->lightness, &from));
+  PetscCall(FlowGetWork(flow, &work));
+  PetscCall(SplinesValue(s, m->density, work));
+  PetscCall(PetscFree(m->inertia));
+  PetscCall(PetscMalloc1(s->at.n, &m->inertia));
+  PetscCall(VecGetArrayRead(work, &from));
+  PetscCall(PetscArraycpy(m->inertia, from, s->at.n));
+  PetscCall(VecRestoreArrayRead(work, &from));
+  PetscCall(FlowRestoreWork(flow, &work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  SplinesMix - Computes the lightness of particles, rho_0/rho(x_i), and the forces of interfaces for
-  the present positions
+  SplinesMix - Computes the inertia of particles, rho(x_i)/rho_0, and the forces of interfaces for
+  the present positions; divides the rows of viscous matrices by the inertia
 
   Collective. Does nothing without a mixture, see SceneMixes(), or if positions are those of the
-  last call. Output: state->lightness [-]; state->interface, the force per unit mass less f [m/s^2].
+  last call. Output: mixture.inertia [-]; state->interface, the force per unit mass less f [m/s^2].
 */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s)
 {
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
-  SplineMixture   *m     = &s->mixture;
+  const Scene     *scene   = flow->scene;
+  const Particles *p       = flow->particles;
+  SplineMixture   *m       = &s->mixture;
+  const Mat        rows[2] = {flow->ops->velocity[0].visc.A, flow->ops->velocity[0].visc.B};
   PetscReal       *force, f[ISPH_MAX_DIM] = {0.0}, energy = 0.0, mean;
   PetscScalar     *to;
 
@@ -258,20 +267,20 @@ PetscErrorCode SplinesMix(Flow *flow, Splines *s)
     PetscCall(MovePotential(p, weight, s));
     PetscCall(AddSurfaceForce(p, k, s, force));
   }
-  PetscCall(SetLightness(flow, s));
+  PetscCall(SetInertia(flow, s));
   PetscCall(VecDot(m->density, m->volume, &mean));
   flow->state->tension_energy = 2.0 * energy / (scene->rho * mean);
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
     for (PetscInt i = 0; i < p->n_fluid; i++)
-      to[i] = m->lightness[i] / scene->rho *
-                  (ParticlesDensity(scene, p, i) * f[a] + force[p->dim * i + a]) -
+      to[i] = (ParticlesDensity(scene, p, i) * f[a] + force[p->dim * i + a]) /
+                  (scene->rho * m->inertia[i]) -
               f[a];
     PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
   }
   PetscCall(PetscFree(force));
   PetscCall(SplineStiffnessFollow(s, p));
-  PetscCall(SplinesLightenRows(s, p, flow->ops->velocity[0].visc.A));
-  PetscCall(SplinesLightenRows(s, p, flow->ops->velocity[0].visc.B));
+  for (PetscInt w = 0; w < 2; w++)
+    if (rows[w]) PetscCall(SplinesDivideRows(s, p, rows[w]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -186,6 +186,8 @@ PetscErrorCode SplinesCutFree(Splines *s)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
+  PetscCall(MatDestroy(&s->surface));
+  PetscCall(PetscFree(s->slave));
   PetscCall(VecDestroy(&s->cut_gradient));
   for (PetscInt f = 0; f < s->n_jumps; f++) {
     PetscCall(MatDestroy(&s->jump[f][0]));
@@ -292,7 +294,7 @@ PetscErrorCode SplineMixtureFree(SplineMixture *m)
   PetscCall(VecDestroy(&m->potential));
   PetscCall(VecDestroy(&m->all));
   PetscCall(VecScatterDestroy(&m->collect));
-  PetscCall(PetscFree(m->lightness));
+  PetscCall(PetscFree(m->inertia));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -224,7 +224,7 @@ typedef struct {
   Vec        density;   /* of splines, over that of fluid 0; NULL: uniform [-] */
   Vec        all;       /* work: numbers of all splines on each rank */
   VecScatter collect;
-  PetscReal *lightness;  /* of own particles, 1 over their density; NULL: uniform [-] */
+  PetscReal *inertia;    /* rho(x_i)/rho_0 of own particles; NULL: uniform [-] */
   PetscInt   numbering;  /* stamp of the vectors */
   PetscInt   assemblies; /* stamp of the last computation */
 } SplineMixture;
@@ -242,17 +242,19 @@ struct Splines {
   PetscInt  epoch, moved;                       /* stamps of the particles at the last assembly */
   PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the rank's box when the splines were numbered */
 
-  Mat       S;            /* boundary points x splines: weight psi_q; NULL: a periodic box */
-  Mat       K;            /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
-  PetscBool has_products; /* M is needed */
-  Mat       M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
-  Vec       mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
-  Mat       cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
-  Vec       cut_gradient; /* work: at particles */
-  PetscInt  n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
-  Mat (*jump)[2];         /* their jumps over fluid and walls, negative, over the density [m/s] */
-  Vec *jumps;             /* coefficients of the jump in each [Pa] */
-  Mat  A;                 /* -scale^2 D G; a shell for moving particles */
+  Mat        S;            /* boundary points x splines: weight psi_q; NULL: a periodic box */
+  Mat        K;            /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
+  PetscBool  has_products; /* M is needed */
+  Mat        M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
+  Vec        mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
+  Mat        cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
+  Mat        surface;      /* E of splinesurface.c; NULL: no free surface */
+  PetscBool *slave;        /* own splines that are no unknowns there */
+  Vec        cut_gradient; /* work: at particles */
+  PetscInt   n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
+  Mat (*jump)[2];          /* their jumps over fluid and walls, negative, over the density [m/s] */
+  Vec *jumps;              /* coefficients of the jump in each [Pa] */
+  Mat  A;                  /* -scale^2 D G; a shell for moving particles */
 
   SplineWindow  window;
   SplinePlaces  at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -290,17 +292,27 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
 PetscReal SplineSumAt(const Splines *s, const Particles *p, const PetscScalar all[],
                       const PetscReal x[], PetscReal gradient[]);
 PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
+PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[], PetscInt q,
+                            SplineSlave *slave);
 PetscBool SplineSideGives(const SplineLattice *l);
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
 
 /* Divides the gradients of a pressure at own particles by their densities over rho_0. */
-static inline void SplinesLighten(const Splines *s, PetscReal gradient[])
+static inline void SplinesDivideByInertia(const Splines *s, PetscReal gradient[])
 {
-  const PetscReal *lightness = s->mixture.lightness;
-  const PetscInt   dim       = s->lattice.dim;
+  const PetscReal *inertia = s->mixture.inertia;
+  const PetscInt   dim     = s->lattice.dim;
 
-  for (PetscInt i = 0; lightness && i < s->at.n; i++)
-    for (PetscInt a = 0; a < dim; a++) gradient[dim * i + a] *= lightness[i];
+  for (PetscInt i = 0; inertia && i < s->at.n; i++)
+    for (PetscInt a = 0; a < dim; a++) gradient[dim * i + a] /= inertia[i];
+}
+
+/* Divides the rows of the velocities of particles by their densities over rho_0; collective. */
+static inline PetscErrorCode SplinesDivideRows(const Splines *s, const Particles *p, Mat rows)
+{
+  PetscReal *const inertia[] = {s->mixture.inertia, s->mixture.inertia, s->mixture.inertia};
+
+  return VelocityRowsDivide(p, inertia, 1.0, rows);
 }
 
 /* Computes the place of a node of a cut cell [m]. */
@@ -353,7 +365,6 @@ PetscErrorCode SplinePlacesFree(SplinePlaces *at);
 PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
 PetscErrorCode SplinesGradientAtPoints(Splines *s, Vec p, PetscReal gradient[]);
-PetscErrorCode SplinesLightenRows(const Splines *s, const Particles *p, Mat rows);
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
 /* splinefits.c, splineintegrals.c */
@@ -371,6 +382,7 @@ PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p);
+PetscErrorCode SplineUnusedRows(const Splines *s, Mat A);
 PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A);
 PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
@@ -381,10 +393,15 @@ PetscErrorCode SplinesFree(Splines *s);
 /* splinematrix.c */
 PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
 PetscErrorCode SplinesMatrix(const Particles *particles, Splines *s);
-PetscErrorCode SplinesCutAssemble(const Flow *flow, Splines *s);
+PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
+
+/* splinesurface.c */
+PetscErrorCode SplineSurfaceExtend(const Particles *particles, Mat cells, Vec volume, Splines *s);
+PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
+PetscErrorCode SplineSurfaceTension(Flow *flow, Splines *s);
 
 /* splinemixture.c */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s);

@@ -234,6 +234,18 @@ static PetscErrorCode SetAbsoluteMass(Splines *s, Mat M)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplineUnusedRows - Adds the equation phi = 0 of own splines that are no unknowns to a matrix */
+PetscErrorCode SplineUnusedRows(const Splines *s, Mat A)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n_unused; k++) {
+    const PetscInt row = s->own.start + s->unused[k];
+
+    PetscCall(MatSetValue(A, row, row, 1.0, ADD_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplineStiffness - Assembles the stiffness K and the mass; collective. Each rank computes its rows
    from all cells in the supports of its splines, so that sums have the same order in every run. */
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
@@ -259,14 +271,11 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   for (PetscInt k = 0; k < b->size; k++) {
     PetscInt index[ISPH_MAX_DIM];
 
-    if (SplineOwn(s, k, index)) {
-      PetscCall(VecSetValue(s->mass, b->start + k, mass[k], INSERT_VALUES));
-    } else {
-      s->unused[s->n_unused++] = k;
-      PetscCall(MatSetValue(s->K, b->start + k, b->start + k, 1.0, ADD_VALUES));
-      if (M) PetscCall(MatSetValue(M, b->start + k, b->start + k, 1.0, ADD_VALUES));
-    }
+    if (!SplineOwn(s, k, index)) s->unused[s->n_unused++] = k;
+    else PetscCall(VecSetValue(s->mass, b->start + k, mass[k], INSERT_VALUES));
   }
+  PetscCall(SplineUnusedRows(s, s->K));
+  if (M) PetscCall(SplineUnusedRows(s, M));
   PetscCall(PetscFree(mass));
   PetscCall(SplineMatFinish(s->K));
   if (M) PetscCall(SplineMatFinish(M));
@@ -298,11 +307,7 @@ PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p)
   PetscCall(MatZeroEntries(s->K));
   PetscCall(AddCells(s, p, density, NULL, mass));
   PetscCall(VecRestoreArrayRead(m->all, &density));
-  for (PetscInt k = 0; k < s->n_unused; k++) {
-    const PetscInt row = s->own.start + s->unused[k];
-
-    PetscCall(MatSetValue(s->K, row, row, 1.0, ADD_VALUES));
-  }
+  PetscCall(SplineUnusedRows(s, s->K));
   PetscCall(SplineMatFinish(s->K));
   PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);

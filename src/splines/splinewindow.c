@@ -305,24 +305,6 @@ PetscErrorCode SplinesGradientAtPoints(Splines *s, Vec p, PetscReal gradient[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesLightenRows - Divides the rows of the velocities of particles by their densities;
-   collective */
-PetscErrorCode SplinesLightenRows(const Splines *s, const Particles *p, Mat rows)
-{
-  PetscScalar *to;
-  Vec          scale;
-
-  PetscFunctionBegin;
-  if (!s->mixture.lightness || !rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateVecs(rows, NULL, &scale));
-  PetscCall(VecGetArrayWrite(scale, &to));
-  for (PetscInt r = 0; r < p->dim * p->n_fluid; r++) to[r] = s->mixture.lightness[r / p->dim];
-  PetscCall(VecRestoreArrayWrite(scale, &to));
-  PetscCall(MatDiagonalScale(rows, scale, NULL));
-  PetscCall(VecDestroy(&scale));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplinesAccelerate - Adds factor times SplinesGradient(), over the density of particles, to the
    components of a vector field over fluid; collective. The fits' work array holds the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
@@ -331,7 +313,7 @@ PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec 
 
   PetscFunctionBegin;
   PetscCall(SplinesGradient(s, p, s->fits.value));
-  SplinesLighten(s, s->fits.value);
+  SplinesDivideByInertia(s, s->fits.value);
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(VecGetArray(u[a], &v));
     for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[s->lattice.dim * i + a];

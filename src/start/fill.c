@@ -53,8 +53,10 @@ static PetscErrorCode SetFluids(const Scene *scene, const FluidStart *start, Par
       continue;
     }
     p->fluid[i] = (PetscReal)SceneFluidAt(scene, x);
-    if (p->share) p->share[i] = SceneShare(scene, x, &other);
-    if (p->share) p->other[i] = (PetscReal)other;
+    if (p->share) {
+      p->share[i] = SceneShare(scene, x, &other);
+      p->other[i] = (PetscReal)other;
+    }
     p->interface[i] = SceneInterface(scene, &points, x, INTERFACE_REACH * p->dx[i], normal);
     for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = normal[a];
   }

@@ -27,7 +27,7 @@ PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles 
 {
   const PetscReal part   = LatticePartInside(scene);
   PetscReal       volume = 0.0;
-  Pools           pools;
+  Pools           pools  = {0};
 
   PetscFunctionBegin;
   PetscCall(PoolsCreate(scene, &pools));

@@ -56,7 +56,7 @@ static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *
   } else {
     for (PetscInt pool = 0; pool < pools->n; pool++)
       if (pools->lattice[pool]) PetscCall(PoolLattice(pools, pool, rows));
-    PetscCall(BorderParticles(pools, rows));
+    if (!pools->inside) PetscCall(BorderParticles(pools, rows));
     if (pools->relaxed) PetscCall(PlacesCreate(scene, &region, pools, places));
   }
   cloud->ordered = rows->N;
@@ -88,6 +88,7 @@ PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, 
   PetscInt layered  = 0, wall[2];
 
   PetscFunctionBegin;
+  cloud->pools.inside = walls.inside;
   PetscCall(PoolsCreate(scene, &cloud->pools));
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, &surfaces));
   PetscCall(Arrange(scene, &surfaces, cloud, &rows, &places));

@@ -19,9 +19,12 @@ typedef struct {
 } PoolAxis;
 
 /* Returns the place of the first particle behind an end of an axis: 1/2 behind walls and periodic
-   sides, 0 on free borders [edges]. */
-static PetscReal Offset(const Scene *scene, PetscInt axis, PetscReal line)
+   sides, 0 on free borders that have particles [edges]. */
+static PetscReal Offset(const Pools *pools, PetscInt axis, PetscReal line)
 {
+  const Scene *scene = pools->scene;
+
+  if (pools->inside) return 0.5;
   for (PetscInt end = 0; end < 2; end++) {
     const PetscInt  side = 2 * axis + end;
     const PetscReal gap  = PetscAbsReal(line - (end ? scene->hi[axis] : scene->lo[axis]));
@@ -66,12 +69,12 @@ static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis
 
 /* Returns the number of particles from one line to the next, those on the lines included; computes
    the edge of their cells [m]. */
-static PetscInt CountBetween(const Scene *scene, PetscInt axis, const PetscReal line[2],
+static PetscInt CountBetween(const Pools *pools, PetscInt axis, const PetscReal line[2],
                              PetscReal *edge)
 {
-  const PetscReal ends   = Offset(scene, axis, line[0]) + Offset(scene, axis, line[1]),
+  const PetscReal ends   = Offset(pools, axis, line[0]) + Offset(pools, axis, line[1]),
                   length = line[1] - line[0];
-  const PetscInt n       = (PetscInt)PetscFloorReal(length / scene->dx + 1.5 - ends);
+  const PetscInt n       = (PetscInt)PetscFloorReal(length / pools->scene->dx + 1.5 - ends);
 
   *edge = n - 1.0 + ends > 0.0 ? length / (n - 1.0 + ends) : PETSC_MAX_REAL;
   return n;
@@ -92,7 +95,7 @@ PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has)
     PetscCall(PoolLines(pools, pool, axis, &n, &line));
     if (n < 2) *has = PETSC_FALSE;
     for (PetscInt l = 0; l + 1 < n; l++) {
-      (void)CountBetween(scene, axis, &line[l], &edge);
+      (void)CountBetween(pools, axis, &line[l], &edge);
       if (edge < EDGE_LEAST * scene->dx || edge > EDGE_MOST * scene->dx) *has = PETSC_FALSE;
     }
     PetscCall(PetscFree(line));
@@ -102,18 +105,17 @@ PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has)
 
 static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, PoolAxis *axis)
 {
-  const Scene *scene = pools->scene;
-  PetscReal   *line, edge;
-  PetscInt     lines, room = 0;
+  PetscReal *line, edge;
+  PetscInt   lines, room = 0;
 
   PetscFunctionBegin;
   PetscCall(PoolLines(pools, pool, a, &lines, &line));
-  for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(scene, a, &line[l], &edge);
+  for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(pools, a, &line[l], &edge);
   PetscCall(PetscMalloc2(room, &axis->place, room + 1, &axis->end));
   axis->n = 0;
   for (PetscInt l = 0; l + 1 < lines; l++) {
-    const PetscInt  n     = CountBetween(scene, a, &line[l], &edge);
-    const PetscReal start = line[l] + edge * Offset(scene, a, line[l]);
+    const PetscInt  n     = CountBetween(pools, a, &line[l], &edge);
+    const PetscReal start = line[l] + edge * Offset(pools, a, line[l]);
 
     for (PetscInt k = l ? 1 : 0; k < n; k++) axis->place[axis->n++] = start + k * edge;
   }
@@ -132,6 +134,7 @@ static unsigned FixedAxes(const Pools *pools, const PoolAxis axis[], const Petsc
   unsigned       low = ~0u, high = ~0u, fixed; /* axes with no fluid on the side */
   PetscInt       empty = 0;
 
+  if (pools->inside) return 0;
   for (PetscInt corner = 0; corner < 1 << dim; corner++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, depth;
     PetscBool flat            = PETSC_FALSE;

@@ -222,15 +222,16 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
 /*
   PoolsCreate - Finds the pools of a scene and their volumes
 
-  Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
-  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without particles.
+  Collective on PETSC_COMM_WORLD. Input: pools - its flag inside. Output: pools - none if the fluid
+  fills the box; free with PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and
+  borders without particles.
 */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
   PetscBool lattices = PETSC_FALSE;
 
   PetscFunctionBegin;
-  *pools = (Pools){.scene = scene};
+  *pools = (Pools){.scene = scene, .inside = pools->inside};
   JoinRegions(scene, pools);
   for (PetscInt pool = 0; pool < pools->n; pool++) {
     PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
@@ -264,6 +265,6 @@ PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
   PetscReal       depth;
 
   if (pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0) return PETSC_FALSE;
-  if (depth >= reach) return PETSC_TRUE;
+  if (depth >= reach || pools->inside) return PETSC_TRUE;
   return BorderIsNear(pools, x, reach) ? PETSC_FALSE : PETSC_TRUE;
 }

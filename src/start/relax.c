@@ -51,9 +51,34 @@ static void AddImage(PetscInt dim, const WallPlane *plane, const PetscReal X[], 
   AddPush(dim, Y, own, dx, push);
 }
 
+/* Adds the plane of the free border of the filled region that is deepest at x, unless it has
+   particles. */
+static void AddBorder(const Scene *scene, const Pools *pools, const PetscReal x[], PetscReal reach,
+                      WallPlane planes[], PetscInt *n)
+{
+  PetscReal most = -PETSC_INFINITY, normal[ISPH_MAX_DIM] = {0.0};
+
+  if (!pools->inside) return;
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    PetscReal       out[ISPH_MAX_DIM];
+    const PetscReal depth = -BodyDistance(scene, &scene->filled[k], x, out);
+
+    if (depth <= most) continue;
+    most = depth;
+    PetscCallAbort(PETSC_COMM_SELF, PetscArraycpy(normal, out, scene->dim));
+  }
+  if (most >= reach || *n == WALL_PLANES) return;
+  for (PetscInt k = 0; k < *n; k++)
+    if (PetscAbsReal(planes[k].distance - most) < 1e-6 * scene->dx) return; /* a wall is there */
+  planes[*n].distance = most;
+  for (PetscInt a = 0; a < scene->dim; a++) planes[*n].normal[a] = -normal[a];
+  (*n)++;
+}
+
 /* Computes the displacement v of fluid particle i in a step [dx_i], which is stored as its
    velocity. */
-static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscInt i)
+static void PushOf(const Scene *scene, const Pools *pools, Particles *p, const Neighbors *nb,
+                   PetscInt i)
 {
   WallPlane       planes[WALL_PLANES];
   const PetscReal zero[ISPH_MAX_DIM] = {0.0};
@@ -63,6 +88,7 @@ static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscI
 
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   SceneWallPlanes(scene, x, RANGE * p->dx[i], planes, &n_planes);
+  AddBorder(scene, pools, x, RANGE * p->dx[i], planes, &n_planes);
   for (PetscInt k = 0; k < n_planes; k++)
     AddImage(p->dim, &planes[k], zero, p->dx[i], p->dx[i], &push);
   for (PetscInt l = nb->row[i]; l < nb->row[i + 1]; l++) {
@@ -84,14 +110,15 @@ static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscI
 
 /* Makes a step of the relaxation. Particles of ordered rows, whose ids are below `ordered`, stay.
    Output: largest - displacement of any particle along an axis [m]. */
-static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p, Neighbors *nb,
+static PetscErrorCode Step(const Scene *scene, const Cloud *cloud, Particles *p, Neighbors *nb,
                            PetscReal *largest)
 {
-  PetscReal most = 0.0;
+  const PetscInt64 ordered = cloud->ordered;
+  PetscReal        most    = 0.0;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (p->id[i] >= ordered) PushOf(scene, p, nb, i);
+    if (p->id[i] >= ordered) PushOf(scene, &cloud->pools, p, nb, i);
   }
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0};
@@ -132,7 +159,7 @@ PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p)
   PetscCall(NeighborsCreate(RANGE * coarsest, coarsest, &nb));
   for (PetscInt step = 0; step < STEPS; step++) {
     PetscCall(NeighborsUpdate(p, largest, nb));
-    PetscCall(Step(scene, cloud->ordered, p, nb, &largest));
+    PetscCall(Step(scene, cloud, p, nb, &largest));
   }
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(p->u[a], p->n_fluid));
   PetscCall(NeighborsDestroy(&nb));

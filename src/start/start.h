@@ -31,6 +31,7 @@ typedef struct {
   PetscBool     lattice[SCENE_MAX_FILLED]; /* of each pool: it has a lattice */
   PetscReal     volume[SCENE_MAX_FILLED];  /* of each pool [m^dim] */
   PetscBool     relaxed;                   /* a pool has no lattice */
+  PetscBool     inside;                    /* see WallPlacement */
   BorderSample *border; /* of pools without lattice, in the order of outlines; all ranks */
   PetscInt      n_border;
 } Pools;

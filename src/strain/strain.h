@@ -11,11 +11,12 @@
 
 /* The part of a cell with positive distances at its corners, first axis fastest. */
 typedef struct {
-  PetscReal volume;                                         /* [m^dim] */
-  PetscReal area[CELL_SIDES], at[CELL_SIDES][ISPH_MAX_DIM]; /* of its sides, 2 a and 2 a + 1 */
-  PetscInt  n_surface;                                      /* parts of the surface */
-  PetscReal normal[CELL_SURFACES][ISPH_MAX_DIM];            /* out of the part, times area */
-  PetscReal place[CELL_SURFACES][ISPH_MAX_DIM];             /* their centroids [m] */
+  PetscReal volume;                                            /* [m^dim] */
+  PetscReal area[CELL_SIDES], at[CELL_SIDES][ISPH_MAX_DIM];    /* of its sides, 2 a and 2 a + 1 */
+  PetscInt  n_surface;                                         /* parts of the surface */
+  PetscReal normal[CELL_SURFACES][ISPH_MAX_DIM];               /* out of the part, times area */
+  PetscReal place[CELL_SURFACES][ISPH_MAX_DIM];                /* their centroids [m] */
+  PetscReal corner[CELL_SURFACES][ISPH_MAX_DIM][ISPH_MAX_DIM]; /* their dim corners [m] */
 } CellPart;
 
 void StrainCut(PetscInt dim, const PetscReal lo[], const PetscReal edge[], const PetscReal d[],
@@ -49,10 +50,39 @@ typedef struct {
   const Neighbors *nb;
   PetscInt         degree, sets;
   PetscBool        normal; /* see StrainQuantity */
+  PetscBool        free;   /* fits hold on a free surface */
   const PetscBool *gives;
   PetscInt        *foot; /* by local index: row of the velocity on the interface there; -1: none */
   StrainRows       feet; /* rows of feet, sets for each */
 } StrainFits;
+
+/* strainsurface.c */
+#define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
+
+typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
+PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells *cells);
+PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
+                                   const PetscReal x[], PetscInt list[], PetscReal *C);
+PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt row,
+                              StrainSurface *surface);
+
+/* StrainIndexAlong - Returns the index along an axis of the cell of the block at x [m], the nearest
+   outside; not collective */
+static inline PetscInt StrainIndexAlong(const Scene *scene, const StrainLattice *l, PetscInt a,
+                                        PetscReal x)
+{
+  const PetscInt k = (PetscInt)PetscFloorReal((x - scene->lo[a]) / l->edge[a]) - l->first[a];
+
+  return PetscMin(PetscMax(k, 0), l->n[a] - 1);
+}
+
+/* StrainDepth - Returns the depth below the surface at which the concentration exceeds its level by
+   C: the slope of a plane surface is about 1.5 over the radius [m] */
+static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)
+{
+  return C * LEVEL_REACH * scene->dx / 1.5;
+}
 
 PetscErrorCode StrainFeet(StrainFits *fits);
 PetscErrorCode StrainRowsOf(StrainFits *fits, const StrainPoints *points, StrainRows *rows);

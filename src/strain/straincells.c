@@ -10,8 +10,8 @@
 #define LEAST_PART 1e-6
 #define LEAST_MASS 0.3  /* of a particle, over its volume */
 #define NODE_REACH 1.5  /* particles that decide on the interface at a corner [dx] */
-#define TIE        1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
 #define VOID_REACH 1.2  /* without a particle so near a corner is outside the free surface [dx] */
+#define TIE        1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
 
 /* StrainReach - Returns the largest distance of a particle that assembly reads for the rows of
    another [m]: both have a part in a cell, through points of interfaces if there are; not
@@ -159,8 +159,9 @@ static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const St
 
 /* Sets the depths of the corners below the tangent plane of the nearest particle on the free
    surface. */
-static PetscErrorCode SetDepths(const Scene *scene, const Particles *p, const FreeSurface *free,
-                                const StrainLattice *l, Corners *corners)
+static PetscErrorCode SetTangentDepths(const Scene *scene, const Particles *p,
+                                       const FreeSurface *free, const StrainLattice *l,
+                                       Corners *corners)
 {
   const PetscReal reach = NODE_REACH * scene->dx;
   Cells           cells = {0};
@@ -252,6 +253,76 @@ static void DistancesIn(const StrainLattice *l, const Corners *corners, const Ce
   }
 }
 
+/* The cells whose volume StrainLevel() compares with that of the particles. */
+typedef struct {
+  const Scene         *scene;
+  const Particles     *p;
+  const StrainLattice *l;
+  const PetscReal     *C; /* at corners */
+  Corners             *corners;
+} Levels;
+
+/* Sets the depths of corners below the level tau of the concentration. */
+static void SetDepths(const Levels *of, PetscReal tau)
+{
+  for (PetscInt k = 0; k < of->corners->all; k++)
+    of->corners->depth[k] = StrainDepth(of->scene, of->C[k] - tau);
+}
+
+/* Returns the volume of own cells at a level. */
+static PetscReal VolumeAt(void *ctx, PetscReal tau)
+{
+  const Levels        *of  = (const Levels *)ctx;
+  const StrainLattice *l   = of->l;
+  PetscInt             all = 1;
+  PetscReal            sum = 0.0;
+
+  SetDepths(of, tau);
+  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
+  for (PetscInt k = 0; k < all; k++) {
+    PetscReal x[ISPH_MAX_DIM], d[CELL_CORNERS], most = -1.0;
+    Cell      cell;
+    CellPart  part;
+
+    SetCell(of->scene, l, k, &cell);
+    for (PetscInt a = 0; a < l->dim; a++) x[a] = cell.lo[a] + 0.5 * l->edge[a];
+    DistancesIn(l, of->corners, &cell, 0, d);
+    for (PetscInt c = 0; c < 1 << l->dim; c++) most = PetscMax(most, d[c]);
+    if (most <= 0.0 || !ParticlesHolds(of->p, x)) continue;
+    StrainCut(l->dim, cell.lo, l->edge, d, &part);
+    sum += part.volume;
+  }
+  return sum;
+}
+
+/* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
+static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                  Corners *corners)
+{
+  Cells     cells = {0};
+  PetscInt *list;
+  PetscReal tau, *C;
+  Levels    of = {scene, p, l, NULL, corners};
+
+  PetscFunctionBegin;
+  PetscCall(StrainSurfaceCells(scene, p, &cells));
+  PetscCall(PetscMalloc2(cells.n + 1, &list, corners->all, &C));
+  for (PetscInt k = 0; k < corners->all; k++) {
+    PetscInt  index[ISPH_MAX_DIM];
+    PetscReal x[ISPH_MAX_DIM];
+
+    CornerIndex(l, k, index);
+    CornerPlace(scene, l, index, x);
+    PetscCall(StrainConcentration(scene, p, &cells, x, list, &C[k]));
+  }
+  of.C = C;
+  PetscCall(StrainLevel(p, VolumeAt, &of, &tau));
+  SetDepths(&of, tau);
+  PetscCall(PetscFree2(list, C));
+  PetscCall(CellsFree(&cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Rows of the velocity on sides of cells, and on surfaces in them. */
 typedef struct {
   StrainPoints points;
@@ -330,13 +401,15 @@ static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal nor
 }
 
 /* Adds the facets of a part of a cell. */
-static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const Cell *cell,
+static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corners *corners,
                               PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
-                              PetscBool free, const CellPart *part, Sides *sides, Facets *facets)
+                              const StrainQuantity *quantity, const CellPart *part, StrainCells *s,
+                              Sides *sides, Facets *facets)
 {
-  const PetscInt other = StiffestOf(scene, n_fluids, fluids, fluid);
-  const PetscInt stiff = other >= 0 && StrainIsStiffer(scene, other, fluid) ? other : fluid;
-  PetscInt       point = 0;
+  const StrainLattice *l     = &s->lattice;
+  const PetscInt       other = StiffestOf(scene, n_fluids, fluids, fluid);
+  const PetscInt       stiff = other >= 0 && StrainIsStiffer(scene, other, fluid) ? other : fluid;
+  PetscInt             point = 0;
 
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 2 * l->dim; side++) {
@@ -353,11 +426,15 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainLattice *l, const 
     const PetscBool near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0];
     const PetscBool wall = other < 0 || near;
 
-    if (free && !near) body = SceneBoundaries(scene);
+    if (corners->depth && !near) body = quantity->gives ? SceneBoundaries(scene) : -1;
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
                              &sides->points));
     PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
+    if (!quantity->cut || quantity->gives || near) continue;
+    PetscCall(StrainFacetAdd(l->dim, part->corner[k], sides->points.n, &s->surface));
+    for (PetscInt v = 0; v < l->dim; v++)
+      PetscCall(StrainPointAdd(l->dim, part->corner[k][v], fluid, -1, &sides->points));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -378,15 +455,16 @@ static PetscErrorCode CellsReserve(PetscInt dim, StrainCells *s, Facets *facets)
 }
 
 /* Finds the cells and their facets. */
-static PetscErrorCode FindCells(const Scene *scene, const Corners *corners, StrainCells *s,
-                                Sides *sides, Facets *facets)
+static PetscErrorCode FindCells(const Scene *scene, const StrainQuantity *quantity,
+                                const Corners *corners, StrainCells *s, Sides *sides,
+                                Facets *facets)
 {
   const StrainLattice *l     = &s->lattice;
   PetscInt             all   = 1;
   PetscReal            whole = 1.0;
 
   PetscFunctionBegin;
-  s->n = 0;
+  s->n = s->surface.n = 0;
   PetscCall(PetscMalloc1(s->capacity, &facets->first));
   for (PetscInt a = 0; a < l->dim; a++) {
     all *= l->n[a];
@@ -409,8 +487,8 @@ static PetscErrorCode FindCells(const Scene *scene, const Corners *corners, Stra
       s->volume[s->n]     = part.volume;
       s->fluid[s->n]      = fluid[q];
       facets->first[s->n] = facets->n;
-      PetscCall(AddPart(scene, l, &cell, n, fluid, fluid[q],
-                        corners->depth ? PETSC_TRUE : PETSC_FALSE, &part, sides, facets));
+      PetscCall(
+          AddPart(scene, &cell, corners, n, fluid, fluid[q], quantity, &part, s, sides, facets));
       for (PetscInt a = 0; a < l->dim; a++) { /* mean of the sides */
         PetscReal sum = 0.0, area = 0.0;
 
@@ -562,7 +640,7 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
   StrainAssemble - Computes the cells and the gradients of the velocity in them for the present
   positions
 
-  Not collective.
+  Collective if cells end at a free surface.
 
   Input Parameters:
 + edge     - of a cell [dx]
@@ -581,6 +659,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
                           .p      = p,
                           .nb     = nb,
                           .degree = PetscMin(degree, 3),
+                          .free   = quantity->cut,
                           .sets   = quantity->sets};
   Corners      corners = {.fluid = NULL};
   Sides        sides   = {.side = NULL};
@@ -601,19 +680,27 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     PetscCall(PetscMalloc2(corners.all, &corners.fluid, corners.all, &corners.phi));
     PetscCall(SetFluids(scene, p, &s->lattice, &corners));
   }
-  if (quantity->free) {
+  if (quantity->free || quantity->cut) {
     PetscCall(PetscMalloc1(corners.all, &corners.depth));
-    PetscCall(SetDepths(scene, p, quantity->free, &s->lattice, &corners));
+    if (quantity->cut) PetscCall(FindSurface(scene, p, &s->lattice, &corners));
+    else PetscCall(SetTangentDepths(scene, p, quantity->free, &s->lattice, &corners));
   }
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
-  PetscCall(FindCells(scene, &corners, s, &sides, &facets));
+  PetscCall(FindCells(scene, quantity, &corners, s, &sides, &facets));
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
   PetscCall(JoinAll(p, &rows, &facets, s));
   if (quantity->gives)
     PetscCall(FindBorder(p->dim, quantity->gives, &sides.points, &facets, &rows, s));
+  if (quantity->cut && !quantity->gives) {
+    PetscCall(StrainRowsFree(&s->surface.rows));
+    s->surface.rows = rows;
+    rows            = (StrainRows){.n = 0};
+    for (PetscInt q = 0; q < s->sets; q++)
+      PetscCall(PetscArraycpy(s->mass[q], p->volume, p->n_fluid));
+  }
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
   PetscCall(PetscFree(fits.foot));
@@ -643,6 +730,9 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->border.normal));
   PetscCall(PetscFree(s->border.x));
   PetscCall(StrainRowsFree(&s->border.rows));
+  PetscCall(PetscFree(s->surface.row));
+  PetscCall(PetscFree(s->surface.x));
+  PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(PetscFree(s->strain));
   PetscCall(PetscFree(s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {

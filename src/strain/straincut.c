@@ -28,7 +28,11 @@ static void AddSurface(const PetscReal from[], const PetscReal to[], CellPart *p
   if (from[0] == to[0] && from[1] == to[1]) return;
   part->normal[k][0] = to[1] - from[1];
   part->normal[k][1] = from[0] - to[0];
-  for (PetscInt a = 0; a < 2; a++) part->place[k][a] = 0.5 * (from[a] + to[a]);
+  for (PetscInt a = 0; a < 2; a++) {
+    part->place[k][a]     = 0.5 * (from[a] + to[a]);
+    part->corner[k][0][a] = from[a];
+    part->corner[k][1][a] = to[a];
+  }
   part->n_surface++;
   AddEdge(from, to, part);
 }
@@ -66,7 +70,10 @@ static void CutRectangle(const PetscReal lo[], const PetscReal edge[], const Pet
   if (begun) AddSurface(last, first, part);
   for (PetscInt a = 0; a < 2; a++) {
     for (PetscInt s = 0; s < 4; s++) part->at[s][a] += lo[a];
-    for (PetscInt k = 0; k < part->n_surface; k++) part->place[k][a] += lo[a];
+    for (PetscInt k = 0; k < part->n_surface; k++) {
+      part->place[k][a] += lo[a];
+      for (PetscInt v = 0; v < 2; v++) part->corner[k][v][a] += lo[a];
+    }
   }
 }
 
@@ -105,8 +112,11 @@ static void CutCuboid(const PetscReal lo[], const PetscReal edge[], const PetscR
   part->n_surface = pieces.n_triangles;
   for (PetscInt t = 0; t < pieces.n_triangles; t++) {
     TriangleArea(pieces.triangle[t], edge, part->normal[t]);
-    for (PetscInt a = 0; a < 3; a++)
+    for (PetscInt a = 0; a < 3; a++) {
       part->place[t][a] = lo[a] + edge[a] * TriangleCentre(pieces.triangle[t], a);
+      for (PetscInt v = 0; v < 3; v++)
+        part->corner[t][v][a] = lo[a] + edge[a] * pieces.triangle[t][v][a];
+    }
   }
   for (PetscInt side = 0; side < 6; side++) {
     PetscReal sum = 0.0, moment[3] = {0.0};

@@ -11,11 +11,14 @@
 #include "isph/fits.h"
 #include "strain.h"
 
-#define FIT_ROOM   640   /* particles around a point, at most */
-#define SEARCH     1.0   /* a search for a point serves others so near [dx] */
-#define FOOT_DEPTH 1.0   /* particles so near to an interface mark a point on it [dx] */
-#define WALL_REACH 2.5   /* particles of a wall about a point on it [dx] */
-#define WALL_RIDGE 1e-13 /* of the normal equations, over their trace: points are in a plane */
+#define FIT_ROOM        640  /* particles around a point, at most */
+#define SEARCH          1.0  /* a search for a point serves others so near [dx] */
+#define FOOT_DEPTH      1.0  /* particles so near to an interface mark a point on it [dx] */
+#define WALL_REACH      2.5  /* particles of a wall about a point on it [dx] */
+#define SURFACE_RADIUS  2.0  /* of fits in fluids with a free surface [dx] */
+#define RIDGE_LINEAR    5e-8 /* of their normal equations, over the sum of weights */
+#define RIDGE_QUADRATIC 5e-5
+#define WALL_RIDGE      1e-13 /* of the normal equations, over their trace: points are in a plane */
 
 /* StrainPointAdd - Adds a point; not collective */
 PetscErrorCode StrainPointAdd(PetscInt dim, const PetscReal x[], PetscInt fluid, PetscInt side,
@@ -256,6 +259,49 @@ static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *arou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the fit at a point of a fluid with a free surface: of all particles within SURFACE_RADIUS,
+   with a ridge that lowers its degree where they are few or in a row. */
+static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, StrainRows *rows)
+{
+  const PetscInt  d = f->p->dim, terms = 1 + d + d * (d + 1) / 2;
+  const PetscReal R = SURFACE_RADIUS * f->p->dx[0];
+  PetscReal M[100] = {0.0}, factor[100], c[10] = {1.0}, B[FIT_ROOM][10], W[FIT_ROOM], sum = 0.0;
+  PetscInt  n = 0;
+
+  PetscFunctionBegin;
+  while (n < around->n && around->r2[around->at[n]] < R * R) n++;
+  if (!n) {
+    if (around->n) PetscCall(AddEntry(around->j[around->at[0]], 1.0, rows));
+    PetscCall(EndRow(rows));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt at = around->at[k];
+    PetscInt       t  = 1 + d;
+
+    W[k] = NearestWeight(PetscSqrtReal(around->r2[at]) / R);
+    sum += W[k];
+    B[k][0] = 1.0;
+    for (PetscInt a = 0; a < d; a++) B[k][1 + a] = around->s[a][at] / R;
+    for (PetscInt a = 0; a < d; a++)
+      for (PetscInt b = a; b < d; b++) B[k][t++] = B[k][1 + a] * B[k][1 + b];
+    for (PetscInt e = 0; e < terms; e++)
+      for (PetscInt q = 0; q < terms; q++) M[e * terms + q] += W[k] * B[k][e] * B[k][q];
+  }
+  for (PetscInt e = 1; e < terms; e++)
+    M[e * terms + e] += sum * (e > d ? RIDGE_QUADRATIC : RIDGE_LINEAR);
+  DenseCholeskyRidge(terms, M, 0.0, factor);
+  DenseCholeskySolve(terms, factor, c);
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal w = 0.0;
+
+    for (PetscInt e = 0; e < terms; e++) w += c[e] * B[k][e];
+    PetscCall(AddEntry(around->j[around->at[k]], w * W[k], rows));
+  }
+  PetscCall(EndRow(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the row of the velocity on a wall at x: the linear fit of the particles of the same wall
    around x. Input: list - the particles around x. */
 static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], PetscInt side,
@@ -357,14 +403,15 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
       component = c;
       FindAround(&from, x, p->fluid ? PETSC_INFINITY : reach, &around[i]);
     }
-    PetscCall(FitGroup(dim, f->degree, around, g, spare));
+    if (!f->free) PetscCall(FitGroup(dim, f->degree, around, g, spare));
     for (PetscInt i = 0; i < m && first + i < all; i++) {
       const PetscInt k = (first + i) / f->sets;
       PetscReal      x[ISPH_MAX_DIM];
       PetscInt       n;
 
       if (!on_wall[i]) {
-        PetscCall(AddFit(f, i, &around[i], g, rows));
+        if (f->free) PetscCall(AddSurfaceFit(f, &around[i], rows));
+        else PetscCall(AddFit(f, i, &around[i], g, rows));
         continue;
       }
       for (PetscInt a = 0; a < dim; a++) x[a] = points->x[a][k];

@@ -46,6 +46,8 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "for each; use -visc_laplacian weak_stress without convection past fixed particles, "
             "or -scheme projection",
             slip->option.name);
+  UserCheck(flow->scheme->splines || !flow->ops->cut_surface,
+            "-pressure_points same: -visc_laplacian weak_stress with a free surface needs coarse");
   UserCheck(flow->scheme->splines || forms->gradient->DivergenceFit,
             "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
             "only -gradient mls has",

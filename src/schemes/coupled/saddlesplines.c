@@ -120,6 +120,8 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
     if (SplineIsGiven(&sp->lattice, index, &side))
       PetscCall(VecSetValue(s->constant, row, 2.0, INSERT_VALUES));
   }
+  for (PetscInt k = 0; sp->slave && k < s->n_p; k++)
+    if (sp->slave[k]) PetscCall(VecSetValue(diagonal, sp->own.start + k, 1.0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(s->constant));
   PetscCall(VecAssemblyEnd(s->constant));
   PetscCall(VecAssemblyBegin(diagonal));

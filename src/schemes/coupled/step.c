@@ -260,6 +260,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, Pressure(flow)));
   if (sp) {
+    PetscCall(SplineSurfaceFill(sp, sp->p));
     PetscCall(SplinesSetJumps(flow, s->u_next, sp));
     PetscCall(SplinesSpread(flow, sp));
   } else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));

@@ -190,7 +190,7 @@ static PetscErrorCode GetMatrices(Flow *flow, Pressure *s, PressureMatrices *m)
       .P          = s->direct ? sp->A : sp->K,
       .lasting    = PETSC_TRUE,
       .assemblies = sp->assemblies,
-      .numbering  = s->direct || sp->mixture.lightness ? sp->assemblies : sp->numbering,
+      .numbering  = s->direct || sp->mixture.inertia ? sp->assemblies : sp->numbering,
   };
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -209,6 +209,9 @@ PetscErrorCode ProjectionCreate(Flow *flow)
     UserCheck(points->coarse || !SceneMovesGraded(scene),
               "-pressure_points same: flows of graded particles that move are lost with it; use "
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
+    UserCheck(!points->coarse || !SceneHasFreeSurface(scene),
+              "-scheme projection: -visc_laplacian weak_stress with a free surface needs -scheme "
+              "coupled");
     if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &pr->spacing));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

@@ -68,10 +68,17 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
   return (scene->hi[a] - scene->lo[a]) / scene->dx / spacing;
 }
 
-/* Returns the reason why a scene has no coarse points; NULL if there is none. */
+/* Returns the reason why a scene has no coarse points; NULL if there is none. Strain cells end at
+   the free surface, and the splines with them. */
 static const char *CoarseFault(const Scene *scene)
 {
-  if (SceneHasFreeSurface(scene)) return "its lattice does not follow a free surface; use same";
+  const char *form;
+  PetscBool   weak;
+
+  PetscCallAbort(PETSC_COMM_SELF, OptionTyped("-visc_laplacian", &form, &weak));
+  if (weak) PetscCallAbort(PETSC_COMM_SELF, PetscStrcasecmp(form, "weak_stress", &weak));
+  if (SceneHasFreeSurface(scene) && !weak)
+    return "its lattice does not follow a free surface; use same";
   return NULL;
 }
 
@@ -133,7 +140,8 @@ PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
   flow->scheme->Pressure   = PressureOnSplines;
   if (flow->state->has_convection || SceneMoves(flow->scene))
     PetscCall(OptionGiven("-velocity_filter", &given));
-  if (!given) flow->state->velocity_filter = RegimeValue(flow->scene->regime, REGIME_FILTER_U);
+  if (!given && !SceneHasFreeSurface(flow->scene)) /* it would not keep momentum */
+    flow->state->velocity_filter = RegimeValue(flow->scene->regime, REGIME_FILTER_U);
   if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,170 @@
+/*
+  Splines at the free surface, which moves through their lattice. A spline with less fluid than a
+  share of its support is no unknown: its coefficient is extrapolated from the nearest block of
+  splines with enough, p = E q with the weights of Lagrange's polynomials. So the divergence of the
+  others is E^T D, and the gradient remains the adjoint. In films and fragments that have no such
+  block the splines with the most fluid are unknowns.
+
+  Source: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
+*/
+#include "isph/operators.h"
+#include "isph/strain.h"
+#include "splines.h"
+
+#define SURFACE_ENOUGH 0.9  /* of the support of a spline in the box [-] */
+#define SURFACE_LEAST  1e-3 /* below it a spline has no fluid */
+
+/* Computes the share of the fluid in all splines, by their number in the order of the lattice. */
+static PetscErrorCode Shares(const Particles *p, const Splines *s, Mat cells, Vec volume,
+                             PetscReal share[])
+{
+  const SplineLattice *l = &s->lattice;
+  const PetscScalar   *from;
+  VecScatter           collect;
+  Vec                  own, all;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->mass, &own));
+  PetscCall(MatMultTranspose(cells, volume, own));
+  PetscCall(VecScale(own, PetscPowReal(s->scale, -(PetscReal)p->dim)));
+  PetscCall(VecPointwiseDivide(own, own, s->mass));
+  PetscCall(VecScatterCreateToAll(own, &collect, &all));
+  PetscCall(VecScatterBegin(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(all, &from));
+  for (PetscInt q = 0; q < l->N; q++) {
+    PetscInt index[ISPH_MAX_DIM];
+
+    SplineIndex(l->dim, NULL, l->count, q, index);
+    share[q] = PetscRealPart(from[SplinesGlobal(s, p, index)]);
+  }
+  PetscCall(VecRestoreArrayRead(all, &from));
+  PetscCall(VecScatterDestroy(&collect));
+  PetscCall(VecDestroy(&own));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds splines to those with enough fluid where none is near: those with the most around. */
+static void AddLocal(const SplineLattice *l, const PetscReal share[], PetscBool enough[])
+{
+  PetscBool more = PETSC_TRUE;
+
+  while (more) {
+    PetscInt best = -1;
+
+    for (PetscInt q = 0; q < l->N; q++) {
+      SplineSlave slave;
+
+      if (enough[q] || share[q] < SURFACE_LEAST || (best >= 0 && share[q] <= share[best])) continue;
+      if (!SplineNearMasters(l, enough, q, &slave)) best = q;
+    }
+    more = best >= 0;
+    if (more) enough[best] = PETSC_TRUE;
+  }
+}
+
+/*
+  SplineSurfaceExtend - Computes the extension E of the splines, and lists the own splines that are
+  no unknowns
+
+  Collective. Input: cells - values of splines at the centres of own cells; volume - of the cells.
+*/
+PetscErrorCode SplineSurfaceExtend(const Particles *p, Mat cells, Vec volume, Splines *s)
+{
+  const SplineLattice *l = &s->lattice;
+  PetscReal           *share;
+  PetscBool           *enough;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(l->N, &share, l->N, &enough));
+  PetscCall(Shares(p, s, cells, volume, share));
+  for (PetscInt q = 0; q < l->N; q++) enough[q] = share[q] >= SURFACE_ENOUGH;
+  AddLocal(l, share, enough);
+  PetscCall(MatDestroy(&s->surface));
+  PetscCall(PetscFree(s->slave));
+  PetscCall(PetscCalloc1(s->own.size, &s->slave));
+  PetscCall(MatCreateAIJ(p->comm, s->own.size, s->own.size, PETSC_DETERMINE, PETSC_DETERMINE, 12,
+                         NULL, 12, NULL, &s->surface));
+  PetscCall(MatSetOption(s->surface, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  for (PetscInt k = 0; k < s->own.size; k++) {
+    const PetscInt row = s->own.start + k;
+    PetscInt       index[ISPH_MAX_DIM], q;
+    SplineSlave    slave;
+
+    if (!SplineOwn(s, k, index)) continue;
+    q = SplineNatural(l, index);
+    if (enough[q]) {
+      PetscCall(MatSetValue(s->surface, row, row, 1.0, INSERT_VALUES));
+      continue;
+    }
+    s->slave[k] = PETSC_TRUE;
+    if (!SplineNearMasters(l, enough, q, &slave)) continue;
+    for (PetscInt m = 0; m < slave.n; m++)
+      PetscCall(MatSetValue(s->surface, row, SplinesGlobal(s, p, slave.master[m]), slave.weight[m],
+                            INSERT_VALUES));
+  }
+  PetscCall(SplineMatFinish(s->surface));
+  PetscCall(PetscFree2(share, enough));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineSurfaceFill - Sets the coefficients of splines that are no unknowns; collective */
+PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
+{
+  Vec all;
+
+  PetscFunctionBegin;
+  if (!s->surface) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(p, &all));
+  PetscCall(MatMult(s->surface, p, all));
+  PetscCall(VecCopy(all, p));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplineSurfaceTension - Computes the force of the tension of the free surface, and adds its change
+  in a step to the viscous matrix
+
+  Collective. Output: state->interface - force per unit mass [m/s^2]; state->tension_energy.
+*/
+PetscErrorCode SplineSurfaceTension(Flow *flow, Splines *s)
+{
+  const Scene       *scene  = flow->scene;
+  const Particles   *p      = flow->particles;
+  const StrainCells *cells  = flow->ops->strain;
+  AffineOperator    *visc   = &flow->ops->velocity[0].visc;
+  PetscReal *const   mass[] = {p->volume, p->volume, p->volume};
+  PetscReal         *force, area;
+  PetscScalar       *to;
+  Mat                Q, back, K;
+
+  PetscFunctionBegin;
+  (void)s;
+  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowStateRenumber(flow));
+  PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
+  PetscCall(StrainTension(p, cells, force, &area));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      to[i] = scene->tension / scene->rho * force[p->dim * i + a] / p->volume[i];
+    PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
+  }
+  PetscCall(PetscFree(force));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  flow->state->tension_energy =
+      2.0 * scene->tension * area / (scene->rho * p->weight * p->cell_volume);
+  PetscCall(StrainTensionSlopes(p, cells, &Q));
+  PetscCall(MatTranspose(Q, MAT_INITIAL_MATRIX, &back));
+  PetscCall(MatMatMult(back, Q, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &K));
+  PetscCall(MatProductClear(K));
+  PetscCall(
+      VelocityRowsDivide(p, mass, -flow->clock->dt * scene->tension / (scene->rho * scene->nu), K));
+  PetscCall(SparseAdd(K, &visc->A));
+  PetscCall(MatDestroy(&K));
+  PetscCall(MatDestroy(&back));
+  PetscCall(MatDestroy(&Q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,324 @@
+/*
+  The free surface of the fluid in the strain cells: the level C = tau of the concentration of
+  particles,
+
+    C(x) = sum_j V_j W(|x - x_j|),   tau such that the cells have the volume sum_j V_j,
+
+  with mirror images in walls. Its facets have the corners y_v. The tension is the derivative of the
+  area A by the rates of the fits, and sums to zero over each body of fluid, with its torque:
+
+    F_i = -sigma sum_v N_i(y_v) dA/dy_v,   u(y_v) = sum_i N_i(y_v) u_i
+
+  A step dt changes it by the part of the second derivative that has no negative eigenvalue,
+
+    dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum over facets of int (grad_s N_i n)(grad_s N_j n)
+
+  Source: docs/theory.md, (501)-(503). Derivatives of the area are those of K. A. Brakke, Exp. Math.
+  1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth. Fluids 51 (2006)
+  659-672.
+*/
+#include "strain.h"
+
+#define LEVEL_LOW   0.2 /* bounds of tau */
+#define LEVEL_HIGH  0.8
+#define LEVEL_MOST  40   /* bisections */
+#define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
+
+/* Adds the weight of a particle at the distance X to the concentration. */
+static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
+{
+  const PetscReal whole =
+      dim == 2 ? 7.0 / PETSC_PI / PetscSqr(R) : 21.0 / (2.0 * PETSC_PI) / (R * R * R); /* 1/int W */
+  PetscReal r2 = 0.0, q;
+
+  for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(X[a]);
+  q = PetscSqrtReal(r2) / R;
+  return q < 1.0 ? whole * PetscSqr(PetscSqr(1.0 - q)) * (1.0 + 4.0 * q) : 0.0;
+}
+
+/* StrainConcentration - Computes the concentration at a place from the particles around it; not
+   collective. Input: cells - of edge 3 dx at least; list - work. */
+PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
+                                   const PetscReal x[], PetscInt list[], PetscReal *C)
+{
+  const PetscReal R = LEVEL_REACH * scene->dx;
+  WallPlane       planes[WALL_PLANES];
+  PetscInt        n, n_planes = 0;
+
+  PetscFunctionBegin;
+  *C = 0.0;
+  PetscCall(CellsFind(cells, x, R, cells->n, list, &n));
+  if (n && SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, R, planes, &n_planes);
+  for (PetscInt q = 0; q < n; q++) {
+    const PetscInt j = list[q];
+    PetscReal      X[ISPH_MAX_DIM];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - x[a];
+    *C += p->volume[j] * WeightAt(p->dim, R, X);
+    for (PetscInt set = 1; set < 1 << n_planes; set++) {
+      PetscReal Y[ISPH_MAX_DIM];
+
+      MirrorImage(p->dim, n_planes, planes, set, X, Y);
+      *C += p->volume[j] * WeightAt(p->dim, R, Y);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainSurfaceCells - Creates the cells for StrainConcentration(); not collective */
+PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells *cells)
+{
+  PetscFunctionBegin;
+  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainLevel - Finds the level tau at which own cells of all ranks have the volume of the
+   particles; collective. Input: Volume - of this rank's cells at a level. */
+PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
+{
+  PetscReal low = LEVEL_LOW, high = LEVEL_HIGH, wanted = 0.0, at;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) wanted += p->volume[i];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt k = 0; k < LEVEL_MOST; k++) {
+    *tau = 0.5 * (low + high);
+    at   = Volume(ctx, *tau);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &at, 1, MPIU_REAL, MPIU_SUM, p->comm));
+    if (PetscAbsReal(at - wanted) <= LEVEL_CLOSE * wanted) break;
+    if (at > wanted) low = *tau;
+    else high = *tau;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainFacetAdd - Adds a facet; not collective. Input: x - its dim corners, in the order that
+   turns its normal out of the fluid; row - of the velocity at the first corner, those of the others
+   follow. */
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt row,
+                              StrainSurface *s)
+{
+  PetscFunctionBegin;
+  if (s->n == s->room) {
+    s->room = 2 * s->room + 256;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room, &s->row));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->room * dim * dim), &s->x));
+  }
+  for (PetscInt e = 0; e < dim * dim; e++) s->x[s->n * dim * dim + e] = x[e / dim][e % dim];
+  s->row[s->n++] = row;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Shape of a facet. */
+typedef struct {
+  PetscReal area, normal[ISPH_MAX_DIM];
+  PetscReal slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* gradient along it of the function of corner v */
+} FacetShape;
+
+/* Computes the shape of a facet; returns false if it has no area. */
+static PetscBool ShapeOf(PetscInt dim, const PetscReal x[], FacetShape *f)
+{
+  PetscReal u[ISPH_MAX_DIM] = {0.0}, v[ISPH_MAX_DIM] = {0.0}, size = 0.0;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    u[a] = x[dim + a] - x[a];
+    v[a] = dim == 3 ? x[2 * dim + a] - x[a] : 0.0;
+  }
+  if (dim == 2) {
+    f->normal[0] = u[1];
+    f->normal[1] = -u[0];
+  } else {
+    for (PetscInt a = 0; a < 3; a++)
+      f->normal[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+  }
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(f->normal[a]);
+  size = PetscSqrtReal(size);
+  if (size == 0.0) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) f->normal[a] /= size;
+  f->area = dim == 2 ? size : 0.5 * size;
+  if (dim == 2) {
+    for (PetscInt a = 0; a < 2; a++) {
+      f->slope[1][a] = u[a] / PetscSqr(size);
+      f->slope[0][a] = -f->slope[1][a];
+    }
+    return PETSC_TRUE;
+  }
+  for (PetscInt a = 0; a < 3; a++) { /* n x edge over twice the area */
+    const PetscInt  b = (a + 1) % 3, c = (a + 2) % 3;
+    const PetscReal w[2] = {v[b] - u[b], v[c] - u[c]};
+
+    f->slope[0][a] = (f->normal[b] * w[1] - f->normal[c] * w[0]) / size;
+    f->slope[1][a] = (f->normal[c] * v[b] - f->normal[b] * v[c]) / size;
+    f->slope[2][a] = (f->normal[b] * u[c] - f->normal[c] * u[b]) / size;
+  }
+  return PETSC_TRUE;
+}
+
+/*
+  StrainTension - Adds the forces of the tension of the surface to those of own particles
+
+  Not collective. Input/Output: force - component a of particle i at [i dim + a], over sigma
+  [m^(dim-2)]. Output: area - of facets of this rank's box [m^(dim-1)].
+*/
+PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, PetscReal force[],
+                             PetscReal *area)
+{
+  const StrainSurface *s = &cells->surface;
+  const PetscInt       d = p->dim;
+
+  PetscFunctionBegin;
+  *area = 0.0;
+  for (PetscInt f = 0; f < s->n; f++) {
+    FacetShape shape;
+    PetscReal  centre[ISPH_MAX_DIM] = {0.0};
+
+    if (!ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    for (PetscInt e = 0; e < d * d; e++) centre[e % d] += s->x[f * d * d + e] / d;
+    if (ParticlesHolds(p, centre)) *area += shape.area;
+    for (PetscInt v = 0; v < d; v++) {
+      const PetscInt row = (s->row[f] + v) * cells->sets;
+
+      for (PetscInt a = 0; a < d; a++) {
+        const PetscInt q = cells->sets == 1 ? 0 : a;
+
+        for (PetscInt e = s->rows.start[row + q]; e < s->rows.start[row + q + 1]; e++)
+          if (s->rows.j[e] < p->n_fluid)
+            force[d * s->rows.j[e] + a] -= s->rows.w[e] * shape.area * shape.slope[v][a];
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StrainTensionSlopes - Creates the matrix Q with K = Q^T Q: interlaced components over fluid ->
+  gradients of u.n along the facets of this rank's box, times the root of the area
+
+  Collective.
+*/
+PetscErrorCode StrainTensionSlopes(const Particles *p, const StrainCells *cells, Mat *Q)
+{
+  const StrainSurface *s = &cells->surface;
+  const PetscInt       d = p->dim;
+  PetscInt             n = 0, row, *own, most = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->n, &own));
+  for (PetscInt f = 0; f < s->n; f++) {
+    PetscReal centre[ISPH_MAX_DIM] = {0.0};
+    PetscInt  width                = 0;
+
+    for (PetscInt e = 0; e < d * d; e++) centre[e % d] += s->x[f * d * d + e] / d;
+    own[f] = ParticlesHolds(p, centre) ? n : -1;
+    for (PetscInt r = s->row[f] * cells->sets; r < (s->row[f] + d) * cells->sets; r++)
+      width += (cells->sets == 1 ? d : 1) * (s->rows.start[r + 1] - s->rows.start[r]);
+    if (own[f] < 0) continue;
+    most = PetscMax(most, width);
+    n += d;
+  }
+  PetscCall(MatCreateAIJ(p->comm, n, d * p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, most, NULL,
+                         most, NULL, Q));
+  PetscCall(MatSetOption(*Q, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(MatGetOwnershipRange(*Q, &row, NULL));
+  for (PetscInt f = 0; f < s->n; f++) {
+    FacetShape shape;
+
+    if (own[f] < 0 || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    for (PetscInt v = 0; v < d; v++) {
+      for (PetscInt a = 0; a < d; a++) {
+        const PetscInt r = (s->row[f] + v) * cells->sets + (cells->sets == 1 ? 0 : a);
+
+        for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++) {
+          const PetscInt j = s->rows.j[e];
+
+          if (ParticlesIsWall(p, j)) continue;
+          for (PetscInt b = 0; b < d; b++)
+            PetscCall(MatSetValue(*Q, row + own[f] + b, d * p->row[j] + a,
+                                  s->rows.w[e] * PetscSqrtReal(shape.area) * shape.normal[a] *
+                                      shape.slope[v][b],
+                                  ADD_VALUES));
+        }
+      }
+    }
+  }
+  PetscCall(PetscFree(own));
+  PetscCall(MatAssemblyBegin(*Q, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*Q, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds f times kernel and gradient at the distance X from i to a point. */
+static void AddKernel(const KernelSize *kernel, PetscInt dim, const PetscReal X[], PetscReal f,
+                      PetscReal *value, PetscReal gradient[])
+{
+  PetscReal r = 0.0, w[3];
+
+  for (PetscInt a = 0; a < dim; a++) r += PetscSqr(X[a]);
+  r = PetscSqrtReal(r);
+  if (r >= kernel->radius) return;
+  KernelEvaluate(kernel->row, dim, kernel->h, r, w);
+  *value += f * w[0];
+  for (PetscInt a = 0; a < dim && r > 0.0; a++) gradient[a] -= f * w[1] * X[a] / r;
+}
+
+/*
+  StrainUnevenness - Computes how much denser particles are than the fluid in the cells, and the
+  gradient, for shifting
+
+    c_i - 1 = sum_j V_j W_ij - sum_c V_c W(x_i - y_c)
+
+  Not collective. Both sums end at walls and at the free surface alike, so that shifts do not leave
+  the fluid. Output: value - c of own fluid; gradient - components.
+*/
+PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                const KernelSize *kernel, const StrainCells *cells,
+                                PetscReal value[], PetscReal *const gradient[])
+{
+  const StrainLattice *l   = &cells->lattice;
+  PetscInt             all = 1, *at, *next;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
+  PetscCall(PetscMalloc2(all, &at, cells->n, &next));
+  for (PetscInt k = 0; k < all; k++) at[k] = -1;
+  for (PetscInt c = 0; c < cells->n; c++) {
+    PetscInt k = 0;
+
+    for (PetscInt a = l->dim - 1; a >= 0; a--)
+      k = k * l->n[a] + StrainIndexAlong(scene, l, a, cells->centre[a][c]);
+    next[c] = at[k];
+    at[k]   = c;
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscInt  low[ISPH_MAX_DIM] = {0}, n[ISPH_MAX_DIM] = {1, 1, 1};
+    PetscReal g[ISPH_MAX_DIM] = {0.0}, X[ISPH_MAX_DIM];
+
+    value[i] = 1.0;
+    for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+      const PetscInt j = q < nb->row[i] ? i : nb->col[q];
+
+      if (ParticlesIsWall(p, j)) continue;
+      for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - p->x[a][i];
+      AddKernel(kernel, p->dim, X, p->volume[j], &value[i], g);
+    }
+    for (PetscInt a = 0; a < p->dim; a++) {
+      low[a] = StrainIndexAlong(scene, l, a, p->x[a][i] - kernel->radius);
+      n[a]   = StrainIndexAlong(scene, l, a, p->x[a][i] + kernel->radius) - low[a] + 1;
+    }
+    for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
+      const PetscInt step[] = {k % n[0], k / n[0] % n[1], k / (n[0] * n[1])};
+      PetscInt       cell   = 0;
+
+      for (PetscInt a = l->dim - 1; a >= 0; a--) cell = cell * l->n[a] + low[a] + step[a];
+      for (PetscInt c = at[cell]; c >= 0; c = next[c]) {
+        for (PetscInt a = 0; a < p->dim; a++) X[a] = cells->centre[a][c] - p->x[a][i];
+        AddKernel(kernel, p->dim, X, -cells->volume[c], &value[i], g);
+      }
+    }
+    for (PetscInt a = 0; a < p->dim; a++) gradient[a][i] = g[a];
+  }
+  PetscCall(PetscFree2(at, next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
