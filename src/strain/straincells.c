@@ -253,13 +253,14 @@ static void DistancesIn(const StrainLattice *l, const Corners *corners, const Ce
   }
 }
 
-/* The cells whose volume StrainLevel() compares with that of the particles. */
+/* The own cells whose volume StrainLevel() compares with that of the particles. */
 typedef struct {
   const Scene         *scene;
-  const Particles     *p;
   const StrainLattice *l;
-  const PetscReal     *C; /* at corners */
   Corners             *corners;
+  const PetscReal     *C; /* concentration at corners */
+  PetscReal            whole;
+  PetscInt             n, *cell; /* cells that a level between the bounds may cut, or bodies */
 } Levels;
 
 /* Sets the depths of corners below the level tau of the concentration. */
@@ -272,27 +273,51 @@ static void SetDepths(const Levels *of, PetscReal tau)
 /* Returns the volume of own cells at a level. */
 static PetscReal VolumeAt(void *ctx, PetscReal tau)
 {
-  const Levels        *of  = (const Levels *)ctx;
-  const StrainLattice *l   = of->l;
-  PetscInt             all = 1;
-  PetscReal            sum = 0.0;
+  const Levels *of  = (const Levels *)ctx;
+  PetscReal     sum = of->whole;
 
   SetDepths(of, tau);
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
-  for (PetscInt k = 0; k < all; k++) {
-    PetscReal x[ISPH_MAX_DIM], d[CELL_CORNERS], most = -1.0;
+  for (PetscInt k = 0; k < of->n; k++) {
+    PetscReal d[CELL_CORNERS];
     Cell      cell;
     CellPart  part;
 
-    SetCell(of->scene, l, k, &cell);
-    for (PetscInt a = 0; a < l->dim; a++) x[a] = cell.lo[a] + 0.5 * l->edge[a];
-    DistancesIn(l, of->corners, &cell, 0, d);
-    for (PetscInt c = 0; c < 1 << l->dim; c++) most = PetscMax(most, d[c]);
-    if (most <= 0.0 || !ParticlesHolds(of->p, x)) continue;
-    StrainCut(l->dim, cell.lo, l->edge, d, &part);
+    SetCell(of->scene, of->l, of->cell[k], &cell);
+    DistancesIn(of->l, of->corners, &cell, 0, d);
+    StrainCut(of->l->dim, cell.lo, of->l->edge, d, &part);
     sum += part.volume;
   }
   return sum;
+}
+
+/* Sorts out the own cells: those that are whole at every level, and those that may be cut. */
+static void SortCells(const Particles *p, Levels *of)
+{
+  const StrainLattice *l   = of->l;
+  PetscInt             all = 1;
+  PetscReal            one = 1.0;
+
+  for (PetscInt a = 0; a < l->dim; a++) {
+    all *= l->n[a];
+    one *= l->edge[a];
+  }
+  of->n     = 0;
+  of->whole = 0.0;
+  for (PetscInt k = 0; k < all; k++) {
+    PetscReal x[ISPH_MAX_DIM], low = PETSC_INFINITY, high = 0.0, depth = PETSC_INFINITY;
+    Cell      cell;
+
+    SetCell(of->scene, l, k, &cell);
+    for (PetscInt a = 0; a < l->dim; a++) x[a] = cell.lo[a] + 0.5 * l->edge[a];
+    for (PetscInt c = 0; c < 1 << l->dim; c++) {
+      low  = PetscMin(low, of->C[cell.node[c]]);
+      high = PetscMax(high, of->C[cell.node[c]]);
+      if (l->distance) depth = PetscMin(depth, l->distance[cell.node[c]]);
+    }
+    if (high <= LEVEL_LOW || !ParticlesHolds(p, x)) continue;
+    if (low > LEVEL_HIGH && depth > 0.0) of->whole += one;
+    else of->cell[of->n++] = k;
+  }
 }
 
 /* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
@@ -302,11 +327,11 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   Cells     cells = {0};
   PetscInt *list;
   PetscReal tau, *C;
-  Levels    of = {scene, p, l, NULL, corners};
+  Levels    of = {.scene = scene, .l = l, .corners = corners};
 
   PetscFunctionBegin;
   PetscCall(StrainSurfaceCells(scene, p, &cells));
-  PetscCall(PetscMalloc2(cells.n + 1, &list, corners->all, &C));
+  PetscCall(PetscMalloc3(cells.n + 1, &list, corners->all, &C, corners->all, &of.cell));
   for (PetscInt k = 0; k < corners->all; k++) {
     PetscInt  index[ISPH_MAX_DIM];
     PetscReal x[ISPH_MAX_DIM];
@@ -316,9 +341,10 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
     PetscCall(StrainConcentration(scene, p, &cells, x, list, &C[k]));
   }
   of.C = C;
+  SortCells(p, &of);
   PetscCall(StrainLevel(p, VolumeAt, &of, &tau));
   SetDepths(&of, tau);
-  PetscCall(PetscFree2(list, C));
+  PetscCall(PetscFree3(list, C, of.cell));
   PetscCall(CellsFree(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

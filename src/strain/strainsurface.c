@@ -21,7 +21,7 @@
 
 #define LEVEL_LOW   0.2 /* bounds of tau */
 #define LEVEL_HIGH  0.8
-#define LEVEL_MOST  40   /* bisections */
+#define LEVEL_MOST  40   /* steps */
 #define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
 
 /* Adds the weight of a particle at the distance X to the concentration. */
@@ -75,21 +75,31 @@ PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells 
 }
 
 /* StrainLevel - Finds the level tau at which own cells of all ranks have the volume of the
-   particles; collective. Input: Volume - of this rank's cells at a level. */
+   particles, by false position; collective. Input: Volume - of this rank's cells at a level. */
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
 {
-  PetscReal low = LEVEL_LOW, high = LEVEL_HIGH, wanted = 0.0, at;
+  PetscReal at[2] = {LEVEL_LOW, LEVEL_HIGH}, off[2], own = 0.0, wanted;
+  PetscInt  last  = -1; /* the end that has moved */
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) wanted += p->volume[i];
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  for (PetscInt k = 0; k < LEVEL_MOST; k++) {
-    *tau = 0.5 * (low + high);
-    at   = Volume(ctx, *tau);
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &at, 1, MPIU_REAL, MPIU_SUM, p->comm));
-    if (PetscAbsReal(at - wanted) <= LEVEL_CLOSE * wanted) break;
-    if (at > wanted) low = *tau;
-    else high = *tau;
+  for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
+  for (PetscInt e = 0; e < 2; e++) off[e] = Volume(ctx, at[e]) - own;
+  PetscCallMPI(MPI_Allreduce(&own, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  *tau = off[0] <= 0.0 ? at[0] : at[1];
+  for (PetscInt k = 0; k < LEVEL_MOST && off[0] > 0.0 && off[1] < 0.0; k++) {
+    PetscReal now;
+    PetscInt  e;
+
+    *tau = (off[0] * at[1] - off[1] * at[0]) / (off[0] - off[1]);
+    now  = Volume(ctx, *tau) - own;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &now, 1, MPIU_REAL, MPIU_SUM, p->comm));
+    if (PetscAbsReal(now) <= LEVEL_CLOSE * wanted) break;
+    e = now > 0.0 ? 0 : 1;
+    if (e == last) off[1 - e] *= 0.5; /* Illinois: an end must not stay for ever */
+    at[e]  = *tau;
+    off[e] = now;
+    last   = e;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
