@@ -250,7 +250,8 @@ static PetscErrorCode BeginFits(const Flow *flow, PetscBool coupled, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineFitsAssemble - Computes the fits at all points of this rank; collective */
+/* SplineFitsAssemble - Computes the fits at all points of this rank, unless strain cells that end
+   at a free surface have the divergence; collective */
 PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
 {
   const Particles *p = flow->particles;
@@ -259,6 +260,10 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
   CellFits        *cell;
 
   PetscFunctionBegin;
+  if (flow->ops->cut_surface) {
+    PetscCall(SplineFitsReserve(p, f));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscNew(&cell));
   PetscCall(SplineAroundCreate(flow, &around));
   PetscCall(BeginFits(flow, s->bodies ? PETSC_TRUE : PETSC_FALSE, s->inside.n, f));

@@ -351,7 +351,7 @@ static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, 
   In the limit gamma_k d_k u are jumps of the pressure, and each fluid has no divergence.
 */
 static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, PetscInt n, Mat all,
-                               const Mat T[], Splines *s)
+                               const Mat T[], PetscReal *const mass[], Splines *s)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
@@ -374,7 +374,7 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
     PetscCall(Gathered(part, T[0], &D[0]));
     if (T[1]) PetscCall(Gathered(part, T[1], &D[1]));
     PetscCall(MatTranspose(D[0], MAT_INITIAL_MATRIX, &back));
-    PetscCall(VelocityRowsDivide(p, cells->mass, -cell * cell / scene->nu, back));
+    PetscCall(VelocityRowsDivide(p, mass, -cell * cell / scene->nu, back));
     for (PetscInt w = 0; w < 2; w++) {
       if (!D[w]) continue;
       PetscCall(MatDiagonalScale(D[w], gamma, NULL));
@@ -421,21 +421,23 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   const Operators *ops   = flow->ops;
   StrainCells     *cells = NULL;
   PetscInt         n     = 0;
-  PetscReal        x[ISPH_MAX_DIM];
+  PetscReal        x[ISPH_MAX_DIM], *mass[ISPH_MAX_DIM];
   Mat              all, T[2] = {NULL, NULL};
 
-  const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE, .cut = ops->cut_surface};
+  const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE};
 
   PetscFunctionBegin;
   if (s->in_cut == flow->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   s->in_cut = flow->ops->assemblies;
   PetscCall(SplinesCutFree(s));
   if (!OperatorsCutFluids(flow->scene, ops) || !ops->strain) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
-                           &cells));
-  for (PetscInt a = 0; a < p->dim; a++)
-    PetscCall(PetscArraycpy(cells->mass[a], ops->strain->mass[ops->strain->sets == 1 ? 0 : a],
-                            p->n_fluid));
+  if (ops->cut_surface) {
+    cells = ops->strain; /* walls give all of their velocity: there is no fluid past them */
+  } else {
+    PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, CELL_EDGE, ops->forms.degree, &normal,
+                             &cells));
+  }
+  for (PetscInt a = 0; a < p->dim; a++) mass[a] = ops->strain->mass[ops->strain->sets == 1 ? 0 : a];
   for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
   PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
@@ -447,14 +449,13 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   if (ops->cut_surface) PetscCall(ExtendRows(p, cells, all, s));
   if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow, s));
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
-  PetscCall(
-      VelocityRowsDivide(p, cells->mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
+  PetscCall(VelocityRowsDivide(p, mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
-  PetscCall(AddJumps(flow, cells, n, all, T, s));
+  PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
   PetscCall(MatDestroy(&all));
   PetscCall(MatDestroy(&T[0]));
   PetscCall(MatDestroy(&T[1]));
-  PetscCall(StrainDestroy(&cells));
+  if (!ops->cut_surface) PetscCall(StrainDestroy(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

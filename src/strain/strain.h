@@ -59,8 +59,8 @@ typedef struct {
 /* strainsurface.c */
 #define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
 
-#define LEVEL_LOW   0.2 /* bounds of its level tau */
-#define LEVEL_HIGH  0.8
+#define LEVEL_LOW  0.2 /* bounds of its level tau */
+#define LEVEL_HIGH 0.8
 
 typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
 PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells *cells);

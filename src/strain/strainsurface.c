@@ -79,7 +79,7 @@ PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells 
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
 {
   PetscReal at[2] = {LEVEL_LOW, LEVEL_HIGH}, off[2], own = 0.0, wanted;
-  PetscInt  last  = -1; /* the end that has moved */
+  PetscInt  last = -1; /* the end that has moved */
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
