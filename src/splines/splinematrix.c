@@ -447,7 +447,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
     PetscCall(Gathered(all, T[1], &s->cut[2]));
   }
   if (ops->cut_surface) PetscCall(ExtendRows(p, cells, all, s));
-  if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow, s));
+  if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow));
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(VelocityRowsDivide(p, mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));

@@ -401,7 +401,7 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 /* splinesurface.c */
 PetscErrorCode SplineSurfaceExtend(const Particles *particles, Mat cells, Vec volume, Splines *s);
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
-PetscErrorCode SplineSurfaceTension(Flow *flow, Splines *s);
+PetscErrorCode SplineSurfaceTension(Flow *flow);
 
 /* splinemixture.c */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s);

@@ -129,7 +129,7 @@ PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
 
   Collective. Output: state->interface - force per unit mass [m/s^2]; state->tension_energy.
 */
-PetscErrorCode SplineSurfaceTension(Flow *flow, Splines *s)
+PetscErrorCode SplineSurfaceTension(Flow *flow)
 {
   const Scene       *scene  = flow->scene;
   const Particles   *p      = flow->particles;
@@ -141,7 +141,6 @@ PetscErrorCode SplineSurfaceTension(Flow *flow, Splines *s)
   Mat                Q, back, K;
 
   PetscFunctionBegin;
-  (void)s;
   if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowStateRenumber(flow));
   PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
