@@ -65,7 +65,7 @@ static void AddBorder(const Scene *scene, const Pools *pools, const PetscReal x[
 
     if (depth <= most) continue;
     most = depth;
-    PetscCallAbort(PETSC_COMM_SELF, PetscArraycpy(normal, out, scene->dim));
+    for (PetscInt a = 0; a < scene->dim; a++) normal[a] = out[a];
   }
   if (most >= reach || *n == WALL_PLANES) return;
   for (PetscInt k = 0; k < *n; k++)

@@ -63,7 +63,6 @@ typedef struct {
 #define LEVEL_HIGH 0.8
 
 typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
-PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells *cells);
 PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
                                    const PetscReal x[], PetscInt list[], PetscReal *C);
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);

@@ -330,7 +330,7 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   Levels    of = {.scene = scene, .l = l, .corners = corners};
 
   PetscFunctionBegin;
-  PetscCall(StrainSurfaceCells(scene, p, &cells));
+  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &cells));
   PetscCall(PetscMalloc3(cells.n + 1, &list, corners->all, &C, corners->all, &of.cell));
   for (PetscInt k = 0; k < corners->all; k++) {
     PetscInt  index[ISPH_MAX_DIM];

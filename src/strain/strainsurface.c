@@ -19,12 +19,10 @@
 */
 #include "strain.h"
 
-#define LEVEL_LOW   0.2 /* bounds of tau */
-#define LEVEL_HIGH  0.8
 #define LEVEL_MOST  40   /* steps */
 #define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
 
-/* Adds the weight of a particle at the distance X to the concentration. */
+/* Returns the kernel of the concentration, wendland_c2, at the distance X [1/m^dim]. */
 static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
 {
   const PetscReal whole =
@@ -33,7 +31,7 @@ static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
 
   for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(X[a]);
   q = PetscSqrtReal(r2) / R;
-  return q < 1.0 ? whole * PetscSqr(PetscSqr(1.0 - q)) * (1.0 + 4.0 * q) : 0.0;
+  return q < 1.0 ? whole * NearestWeight(q) : 0.0;
 }
 
 /* StrainConcentration - Computes the concentration at a place from the particles around it; not
@@ -63,14 +61,6 @@ PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const
       *C += p->volume[j] * WeightAt(p->dim, R, Y);
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* StrainSurfaceCells - Creates the cells for StrainConcentration(); not collective */
-PetscErrorCode StrainSurfaceCells(const Scene *scene, const Particles *p, Cells *cells)
-{
-  PetscFunctionBegin;
-  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,6 +109,16 @@ PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], P
   for (PetscInt e = 0; e < dim * dim; e++) s->x[s->n * dim * dim + e] = x[e / dim][e % dim];
   s->row[s->n++] = row;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if the centroid of a facet is in the box of this rank. Input: x - its corners. */
+static PetscBool IsOwn(const Particles *p, const PetscReal x[])
+{
+  const PetscInt d                    = p->dim;
+  PetscReal      centre[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt e = 0; e < d * d; e++) centre[e % d] += x[e] / d;
+  return ParticlesHolds(p, centre);
 }
 
 /* Shape of a facet. */
@@ -182,11 +182,9 @@ PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, Petsc
   *area = 0.0;
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
-    PetscReal  centre[ISPH_MAX_DIM] = {0.0};
 
     if (!ShapeOf(d, &s->x[f * d * d], &shape)) continue;
-    for (PetscInt e = 0; e < d * d; e++) centre[e % d] += s->x[f * d * d + e] / d;
-    if (ParticlesHolds(p, centre)) *area += shape.area;
+    if (IsOwn(p, &s->x[f * d * d])) *area += shape.area;
     for (PetscInt v = 0; v < d; v++) {
       const PetscInt row = (s->row[f] + v) * cells->sets;
 
@@ -217,11 +215,9 @@ PetscErrorCode StrainTensionSlopes(const Particles *p, const StrainCells *cells,
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(s->n, &own));
   for (PetscInt f = 0; f < s->n; f++) {
-    PetscReal centre[ISPH_MAX_DIM] = {0.0};
-    PetscInt  width                = 0;
+    PetscInt width = 0;
 
-    for (PetscInt e = 0; e < d * d; e++) centre[e % d] += s->x[f * d * d + e] / d;
-    own[f] = ParticlesHolds(p, centre) ? n : -1;
+    own[f] = IsOwn(p, &s->x[f * d * d]) ? n : -1;
     for (PetscInt r = s->row[f] * cells->sets; r < (s->row[f] + d) * cells->sets; r++)
       width += (cells->sets == 1 ? d : 1) * (s->rows.start[r + 1] - s->rows.start[r]);
     if (own[f] < 0) continue;

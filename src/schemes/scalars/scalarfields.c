@@ -56,8 +56,8 @@ void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[])
 }
 
 /* ScalarSlip - Sets the velocities of own walls that do not give them, as planes of symmetry, to
-   fits
-   of the fluid; not collective. Input: u - velocities of all particles, components together. */
+   fits of the fluid; not collective. Input: u - velocities of all particles, components
+   together. */
 PetscErrorCode ScalarSlip(const Flow *flow, PetscReal u[])
 {
   const Particles *p = flow->particles;
