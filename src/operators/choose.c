@@ -312,7 +312,6 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 /* Returns what a free surface of strain cells lacks in a scene; NULL: nothing. */
 static const char *CutSurfaceFault(const Scene *scene)
 {
-  if (scene->dim == 3) return "no 3D";
   if (!SceneMoves(scene)) return "moving particles only";
   if (!scene->n_filled) return "regions -scene_filled_<k> only";
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";

@@ -32,7 +32,8 @@ static const OptionRow options[] = {
         LINEAR("ksp_rtol"),
         .brief    = "tolerance of the true residual, relative to the right-hand side",
         .unit     = "-",
-        .standard = "visc " REGIME "; ppe 1e-5, in patch tests 1e-10; coupled 1e-7",
+        .standard = "visc " REGIME "; ppe 1e-5, in patch tests 1e-10; coupled 1e-7, "
+                    "1e-10 with a free surface of strain cells",
     },
     {
         LINEAR("ksp_max_it"),

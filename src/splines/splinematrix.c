@@ -295,6 +295,24 @@ static PetscErrorCode CellVolumes(const Particles *p, const StrainCells *cells, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. */
+static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Splines *s)
+{
+  Mat extended, weighted;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->M));
+  PetscCall(Multiply(all, s->surface, &extended));
+  PetscCall(MatDuplicate(extended, MAT_COPY_VALUES, &weighted));
+  PetscCall(MatDiagonalScale(weighted, volume, NULL));
+  PetscCall(MatScale(weighted, PetscPowReal(s->scale, -(PetscReal)p->dim)));
+  PetscCall(Gathered(extended, weighted, &s->M));
+  PetscCall(SplineSurfaceRows(s, s->M));
+  PetscCall(MatDestroy(&extended));
+  PetscCall(MatDestroy(&weighted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Replaces the rows of splines at the free surface by E^T D. */
 static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, Mat all, Splines *s)
 {
@@ -304,6 +322,7 @@ static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, M
   PetscFunctionBegin;
   PetscCall(CellVolumes(p, cells, all, &volume));
   PetscCall(SplineSurfaceExtend(p, all, volume, s));
+  if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
   PetscCall(VecDestroy(&volume));
   for (PetscInt k = 1; k < 3; k++) {
     if (!s->cut[k]) continue;
@@ -311,6 +330,18 @@ static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, M
     PetscCall(MatDestroy(&s->cut[k]));
     s->cut[k] = D;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the stiffness to that of the fluid below the free surface, -scale^2 D G. */
+static PetscErrorCode ExtendStiffness(Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->K));
+  PetscCall(Multiply(s->cut[1], s->cut[0], &s->K));
+  PetscCall(MatScale(s->K, -PetscSqr(s->scale)));
+  PetscCall(SplineSurfaceRows(s, s->K));
+  s->products++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -451,6 +482,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(VelocityRowsDivide(p, mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
+  if (ops->cut_surface && s->has_products) PetscCall(ExtendStiffness(s));
   PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
   PetscCall(MatDestroy(&all));
   PetscCall(MatDestroy(&T[0]));

@@ -246,6 +246,7 @@ struct Splines {
   Mat        K;            /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
   PetscBool  has_products; /* M is needed */
   Mat        M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
+  PetscInt   products;     /* stamp of K and M */
   Vec        mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
   Mat        cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
   Mat        surface;      /* E of splinesurface.c; NULL: no free surface */
@@ -400,6 +401,7 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splinesurface.c */
 PetscErrorCode SplineSurfaceExtend(const Particles *particles, Mat cells, Vec volume, Splines *s);
+PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A);
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
 PetscErrorCode SplineSurfaceTension(Flow *flow);
 

@@ -288,6 +288,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   else PetscCall(MatDestroy(&M));
   PetscCall(VecAssemblyBegin(s->mass));
   PetscCall(VecAssemblyEnd(s->mass));
+  s->products++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -310,5 +311,6 @@ PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p)
   PetscCall(SplineUnusedRows(s, s->K));
   PetscCall(SplineMatFinish(s->K));
   PetscCall(PetscFree(mass));
+  s->products++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -109,6 +109,25 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, Mat cells, Vec volume, Sp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplineSurfaceRows - Adds the equation q = 0 of splines that are no unknowns to a matrix;
+   collective */
+PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A)
+{
+  Vec diagonal;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, NULL, &diagonal));
+  PetscCall(MatGetDiagonal(A, diagonal));
+  for (PetscInt k = 0; k < s->own.size; k++)
+    if (s->slave[k]) PetscCall(VecSetValue(diagonal, s->own.start + k, 1.0, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(diagonal));
+  PetscCall(VecAssemblyEnd(diagonal));
+  PetscCall(MatSetOption(A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(MatDiagonalSet(A, diagonal, INSERT_VALUES));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplineSurfaceFill - Sets the coefficients of splines that are no unknowns; collective */
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
 {

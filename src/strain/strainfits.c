@@ -15,7 +15,7 @@
 #define SEARCH          1.0  /* a search for a point serves others so near [dx] */
 #define FOOT_DEPTH      1.0  /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH      2.5  /* particles of a wall about a point on it [dx] */
-#define SURFACE_RADIUS  2.0  /* of fits in fluids with a free surface [dx] */
+#define SURFACE_RADIUS  2.5  /* of fits in fluids with a free surface [dx] */
 #define RIDGE_LINEAR    5e-8 /* of their normal equations, over the sum of weights */
 #define RIDGE_QUADRATIC 5e-5
 #define WALL_RIDGE      1e-13 /* of the normal equations, over their trace: points are in a plane */

@@ -37,7 +37,7 @@ typedef struct {
   PC                 products;       /* of the mass matrix of splines */
   Vec                root;           /* of splines: (nu_q/nu)^1/2 [-] */
   Vec                flux, part;     /* of splines: work vectors */
-  PetscInt           numbering;      /* of splines: stamp of the last set-up */
+  PetscInt           stamp;          /* of the products of splines at the last set-up */
   PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 } Schur;
 
@@ -97,6 +97,7 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
 /* terms.c */
 PetscErrorCode CoupledForce(Coupled *coupled);
 PetscErrorCode CoupledSecondForce(Coupled *coupled, PetscReal first, PetscReal weight);
+PetscInt       CoupledNumbering(const Coupled *coupled);
 PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
 
 /* step.c */

@@ -164,8 +164,7 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the preconditioners of K and M, which last until the splines are renumbered, and work
-   vectors. */
+/* Sets the preconditioners of K and M, which last as long as these matrices, and work vectors. */
 static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
 {
   Splines *sp = s->splines;
@@ -175,8 +174,8 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
   PetscCall(VecDuplicate(s->saddle->viscosity, &s->root));
   PetscCall(VecCopy(s->saddle->viscosity, s->root));
   PetscCall(VecSqrtAbs(s->root));
-  if (s->products && s->numbering == sp->numbering) PetscFunctionReturn(PETSC_SUCCESS);
-  s->numbering = sp->numbering;
+  if (s->products && s->stamp == sp->products) PetscFunctionReturn(PETSC_SUCCESS);
+  s->stamp = sp->products;
   PetscCall(VecDestroy(&s->flux));
   PetscCall(VecDestroy(&s->part));
   PetscCall(VecDuplicate(s->root, &s->flux));

@@ -32,18 +32,20 @@ static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the KSP from the options. */
+/* Creates the KSP from the options. The forces of strain cells with a free surface sum to zero, and
+   the momentum of drops that touch nothing is kept as well as the equations are solved. */
 static PetscErrorCode CreateKsp(Coupled *c)
 {
-  KSP ksp;
-  PC  pc;
+  const PetscReal rtol = c->flow->ops->cut_surface ? 1e-10 : 1e-7;
+  KSP             ksp;
+  PC              pc;
 
   PetscFunctionBegin;
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
   PetscCall(KSPSetOptionsPrefix(ksp, "coupled_"));
   PetscCall(KSPSetType(ksp, KSPFGMRES));
   PetscCall(KSPGMRESSetRestart(ksp, 100));
-  PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_CURRENT, 300));
+  PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 300));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCFIELDSPLIT));
   PetscCall(KspViewsTake("coupled_", &c->guard.ksp_views));
@@ -52,15 +54,16 @@ static PetscErrorCode CreateKsp(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses a direct solver on a single rank in 2D for a weak form, whose viscosities vary: no field
-   split holds with every ratio of them. */
+/* Chooses a direct solver on a single rank in 2D for a weak form in a closed fluid, whose
+   viscosities vary: no field split holds with every ratio of them. */
 static PetscErrorCode DirectDefault(const Flow *flow)
 {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  if (ranks == 1 && flow->scene->dim == 2 && flow->ops->forms.visc.row->weak)
+  if (ranks == 1 && flow->scene->dim == 2 && flow->ops->forms.visc.row->weak &&
+      !flow->ops->cut_surface)
     PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -175,7 +178,8 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   const Scene     *scene = c->flow->scene;
   const Particles *p     = c->flow->particles;
   LinearSolve     *solve = &c->guard.solve;
-  const PetscBool  anew  = !c->velocity.flow || !SetUpHolds(&solve->setup, p->epoch, shift);
+  const PetscBool  anew =
+      !c->velocity.flow || !SetUpHolds(&solve->setup, CoupledNumbering(c), shift);
 
   PetscFunctionBegin;
   PetscCall(KSPReset(solve->ksp));

@@ -154,18 +154,25 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CoupledNumbering - Returns the stamp up to which a set-up of the preconditioner serves: a free
+   surface of strain cells changes the matrix in each step; not collective */
+PetscInt CoupledNumbering(const Coupled *c)
+{
+  return c->flow->ops->cut_surface ? c->flow->ops->assemblies : c->flow->particles->epoch;
+}
+
 /* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner as long as it
    holds, see SetUpHolds(); collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   LinearSolve    *solve = &c->guard.solve;
-  const PetscBool keep  = SetUpHolds(&solve->setup, c->flow->particles->epoch, shift);
+  const PetscBool keep  = SetUpHolds(&solve->setup, CoupledNumbering(c), shift);
 
   PetscFunctionBegin;
   PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
   if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
   if (!keep && c->velocity.flow) PetscCall(VelocityBlockSetUp(&c->saddle, &c->velocity));
-  if (!keep) SetUpRenew(c->flow->particles->epoch, shift, solve);
+  if (!keep) SetUpRenew(CoupledNumbering(c), shift, solve);
   PetscCall(KSPSetReusePreconditioner(solve->ksp, keep));
   c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
   c->schur.inert   = shift * c->saddle.step;

@@ -4,7 +4,8 @@
     jacobi      the diagonal of F
     factors     ILU(0) of the blocks of ranks
     two_level   ILU(0), then a cycle of AMG of the pair-wise Laplacian of each component on the
-                residual: iterations that do not grow with the step
+                residual: iterations that do not grow with the step. Forms whose cells end at
+                interfaces of fluids, or in 2D at a free surface, have LU in its place
 
   The factors are those of F plus the entries of G Z that lie in its pattern: without them they do
   not hold beside free surfaces, and the other entries gain nothing. A block that repeats is a
@@ -45,7 +46,10 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
   v->name = RegimeWord(scene->regime, REGIME_BLOCK_PC);
   PetscCall(PetscStrcmp(v->name, "jacobi", &jacobi));
   PetscCall(PetscStrcmp(v->name, "two_level", &both));
-  if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
+  if (flow->ops->cut_surface ? both && scene->dim == 2 : OperatorsCutFluids(scene, flow->ops)) {
+    both = PETSC_FALSE;
+    PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
+  }
   if (!both || !repeats) PetscCall(CreateOnce(FACTORS, jacobi ? PCJACOBI : PCBJACOBI, &v->factors));
   if (!both) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AmgDefaults(CYCLE, "0"));
