@@ -6,7 +6,6 @@
 */
 #include "splines.h"
 #include "isph/operators.h"
-#include "isph/strain.h"
 
 #define JUMP_SHARE   1e-3 /* least share of a spline in a fluid with a jump of its own */
 #define JUMP_PENALTY 1e3  /* of the divergence in a fluid, over the largest viscosity */
@@ -321,7 +320,7 @@ static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, M
 
   PetscFunctionBegin;
   PetscCall(CellVolumes(p, cells, all, &volume));
-  PetscCall(SplineSurfaceExtend(p, all, volume, s));
+  PetscCall(SplineSurfaceExtend(p, cells, s));
   if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
   PetscCall(VecDestroy(&volume));
   for (PetscInt k = 1; k < 3; k++) {

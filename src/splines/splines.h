@@ -13,6 +13,7 @@
 #define ISPH_SPLINES_H
 
 #include "isph/flow.h"
+#include "isph/strain.h"
 
 /* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
    splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
@@ -234,6 +235,7 @@ struct Splines {
   SplineLattice    pressure;  /* the same with the splines chi_q of the pressure */
   SplineBodies    *bodies;    /* NULL: none */
   SplineExtension *extension; /* NULL: no spline has masters */
+  PetscBool        in_cells;  /* strain cells, cut by bodies and a free surface, have the fluid */
   PetscReal        scale;     /* edge of a cell of the same volume [m] */
   SplineBlock     *block;     /* of all ranks */
   SplineBlock      own;
@@ -400,7 +402,8 @@ PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[]
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splinesurface.c */
-PetscErrorCode SplineSurfaceExtend(const Particles *particles, Mat cells, Vec volume, Splines *s);
+PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells *cells,
+                                   Splines *s);
 PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A);
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
 PetscErrorCode SplineSurfaceTension(Flow *flow);

@@ -18,7 +18,7 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
 {
   PetscFunctionBegin;
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
-  PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
+  if (!s->in_cells) PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
   PetscCall(SplineExtensionCreate(&s->lattice, s->bodies, &s->extension));
   s->pressure = s->lattice;
   s->pressure.degree =
@@ -49,6 +49,7 @@ PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
             flow->ops->forms.visc.row ? flow->ops->forms.visc.row->name : "");
   PetscCall(OperatorsDegree(flow->scene, &degree));
   PetscCall(PetscNew(&s));
+  s->in_cells = flow->ops->cut_surface;
   PetscCall(SplinesSet(flow->scene, ratio, degree, s));
   flow->scheme->kept    = s->kept;
   flow->scheme->splines = *splines = s;
@@ -285,7 +286,7 @@ static PetscErrorCode KeepSlaves(Splines *s)
 PetscErrorCode SplinesFollow(Splines *s)
 {
   PetscFunctionBegin;
-  if (!s->lattice.scene->pose) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->bodies || !s->lattice.scene->pose) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplineBodiesDestroy(&s->bodies));
   PetscCall(SplineExtensionDestroy(&s->extension));
   PetscCall(SplineBodiesCreate(s->lattice.scene, &s->lattice, &s->bodies));

@@ -8,15 +8,40 @@
   Source: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */
 #include "isph/operators.h"
-#include "isph/strain.h"
 #include "splines.h"
 
-#define SURFACE_ENOUGH 0.9  /* of the support of a spline in the box [-] */
-#define SURFACE_LEAST  1e-3 /* below it a spline has no fluid */
+#define SURFACE_ENOUGH 0.9   /* of a spline in the box that is in the fluid or in bodies [-] */
+#define SOLID_ENOUGH   0.027 /* in the fluid, as of the spline in the corner of a box */
+#define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
 
-/* Computes the share of the fluid in all splines, by their number in the order of the lattice. */
-static PetscErrorCode Shares(const Particles *p, const Splines *s, Mat cells, Vec volume,
-                             PetscReal share[])
+/* Computes the parts of the splines that are in the fluid, or in solids, over a cell. */
+static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCells *cells,
+                            PetscBool solid, Vec part)
+{
+  const PetscReal one = PetscPowReal(s->scale, -(PetscReal)p->dim);
+  PetscReal       x[ISPH_MAX_DIM], volume;
+  SplineRow       at;
+
+  PetscFunctionBegin;
+  PetscCall(VecSet(part, 0.0));
+  for (PetscInt k = 0; solid ? StrainSolid(s->lattice.scene, cells, k, x, &volume) : k < cells->n;
+       k++) {
+    for (PetscInt a = 0; !solid && a < p->dim; a++) x[a] = cells->centre[a][k];
+    if (!solid) volume = cells->volume[k];
+    if (volume == 0.0 || !ParticlesHolds(p, x)) continue;
+    SplineRowAt(s, &s->lattice, p, x, &at);
+    for (PetscInt e = 0; e < at.n; e++)
+      PetscCall(VecSetValue(part, at.number[e], one * volume * at.value[e], ADD_VALUES));
+  }
+  PetscCall(VecAssemblyBegin(part));
+  PetscCall(VecAssemblyEnd(part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the share of the fluid in all splines, or of solids, by their number in the order of the
+   lattice. */
+static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainCells *cells,
+                             PetscBool solid, PetscReal share[])
 {
   const SplineLattice *l = &s->lattice;
   const PetscScalar   *from;
@@ -25,8 +50,7 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, Mat cells, Ve
 
   PetscFunctionBegin;
   PetscCall(VecDuplicate(s->mass, &own));
-  PetscCall(MatMultTranspose(cells, volume, own));
-  PetscCall(VecScale(own, PetscPowReal(s->scale, -(PetscReal)p->dim)));
+  PetscCall(Parts(p, s, cells, solid, own));
   PetscCall(VecPointwiseDivide(own, own, s->mass));
   PetscCall(VecScatterCreateToAll(own, &collect, &all));
   PetscCall(VecScatterBegin(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
@@ -68,18 +92,20 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], PetscBool 
   SplineSurfaceExtend - Computes the extension E of the splines, and lists the own splines that are
   no unknowns
 
-  Collective. Input: cells - values of splines at the centres of own cells; volume - of the cells.
+  Collective
 */
-PetscErrorCode SplineSurfaceExtend(const Particles *p, Mat cells, Vec volume, Splines *s)
+PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
 {
   const SplineLattice *l = &s->lattice;
-  PetscReal           *share;
+  PetscReal           *share, *solid;
   PetscBool           *enough;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(l->N, &share, l->N, &enough));
-  PetscCall(Shares(p, s, cells, volume, share));
-  for (PetscInt q = 0; q < l->N; q++) enough[q] = share[q] >= SURFACE_ENOUGH;
+  PetscCall(PetscMalloc3(l->N, &share, l->N, &solid, l->N, &enough));
+  PetscCall(Shares(p, s, cells, PETSC_FALSE, share));
+  PetscCall(Shares(p, s, cells, PETSC_TRUE, solid));
+  for (PetscInt q = 0; q < l->N; q++)
+    enough[q] = share[q] >= SOLID_ENOUGH && share[q] + solid[q] >= SURFACE_ENOUGH;
   AddLocal(l, share, enough);
   PetscCall(MatDestroy(&s->surface));
   PetscCall(PetscFree(s->slave));
@@ -105,7 +131,7 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, Mat cells, Vec volume, Sp
                             INSERT_VALUES));
   }
   PetscCall(SplineMatFinish(s->surface));
-  PetscCall(PetscFree2(share, enough));
+  PetscCall(PetscFree3(share, solid, enough));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

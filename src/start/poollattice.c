@@ -36,18 +36,41 @@ static PetscReal Offset(const Pools *pools, PetscInt axis, PetscReal line)
   return 0.0;
 }
 
+/* Returns true if a body may be in a pool, by the boxes around both. */
+static PetscBool MayBeIn(const Pools *pools, PetscInt pool, const Body *body)
+{
+  const Scene *scene = pools->scene;
+
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    PetscBool apart = pools->of[k] != pool;
+
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscReal one[2], two[2];
+
+      BodySpan(&scene->filled[k], a, one);
+      BodySpan(body, a, two);
+      apart = apart || PetscMax(PetscMax(one[0], two[0]), scene->lo[a]) >
+                           PetscMin(PetscMin(one[1], two[1]), scene->hi[a]) - NEAR * scene->dx;
+    }
+    if (!apart || (body->around && pools->of[k] == pool)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Computes the lines across an axis that bound the regions of a pool, in ascending order, which the
-   caller frees. Output: count - their number, 0 if a border is no line along an axis. */
+   caller frees; with particles inside, those of bodies too: a lattice leaves gaps beside others.
+   Output: count - their number, 0 if a border is no line along an axis. */
 static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, PetscInt *count,
                                 PetscReal **lines)
 {
   const Scene *scene = pools->scene;
+  PetscReal    low = scene->hi[axis], high = scene->lo[axis], *line;
   PetscInt     n = 0, kept = 0, room = 0;
-  PetscReal   *line;
 
   PetscFunctionBegin;
   *count = 0;
   for (PetscInt k = 0; k < scene->n_filled; k++) room += PetscMax(2, scene->filled[k].n / 2);
+  for (PetscInt b = 0; b < scene->n_bodies; b++) room += PetscMax(2, SceneBody(scene, b)->n / 2);
   PetscCall(PetscMalloc1(room, lines));
   line = *lines;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
@@ -58,8 +81,19 @@ static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis
     if (!more) PetscFunctionReturn(PETSC_SUCCESS);
     n += more;
   }
-  for (PetscInt l = 0; l < n; l++)
-    line[l] = PetscMin(PetscMax(line[l], scene->lo[axis]), scene->hi[axis]);
+  for (PetscInt l = 0; l < n; l++) {
+    low  = PetscMin(low, PetscMax(line[l], scene->lo[axis]));
+    high = PetscMax(high, PetscMin(line[l], scene->hi[axis]));
+  }
+  for (PetscInt b = 0; pools->inside && b < scene->n_bodies; b++) {
+    PetscInt more;
+
+    if (!MayBeIn(pools, pool, SceneBody(scene, b))) continue;
+    more = BodyLines(SceneBody(scene, b), axis, &line[n]);
+    if (!more) PetscFunctionReturn(PETSC_SUCCESS);
+    n += more;
+  }
+  for (PetscInt l = 0; l < n; l++) line[l] = PetscMin(PetscMax(line[l], low), high);
   PetscCall(PetscSortReal(n, line));
   for (PetscInt l = 0; l < n; l++)
     if (!kept || line[l] - line[kept - 1] > NEAR * scene->dx) line[kept++] = line[l];
@@ -114,10 +148,11 @@ static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, 
   PetscCall(PetscMalloc2(room, &axis->place, room + 1, &axis->end));
   axis->n = 0;
   for (PetscInt l = 0; l + 1 < lines; l++) {
-    const PetscInt  n     = CountBetween(pools, a, &line[l], &edge);
-    const PetscReal start = line[l] + edge * Offset(pools, a, line[l]);
+    const PetscInt  n      = CountBetween(pools, a, &line[l], &edge);
+    const PetscReal offset = Offset(pools, a, line[l]), start = line[l] + edge * offset;
 
-    for (PetscInt k = l ? 1 : 0; k < n; k++) axis->place[axis->n++] = start + k * edge;
+    for (PetscInt k = l && offset == 0.0 ? 1 : 0; k < n; k++)
+      axis->place[axis->n++] = start + k * edge;
   }
   axis->end[0] = line[0];
   for (PetscInt k = 1; k < axis->n; k++) axis->end[k] = 0.5 * (axis->place[k - 1] + axis->place[k]);

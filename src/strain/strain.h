@@ -12,6 +12,7 @@
 /* The part of a cell with positive distances at its corners, first axis fastest. */
 typedef struct {
   PetscReal volume;                                            /* [m^dim] */
+  PetscReal centre[ISPH_MAX_DIM];                              /* mean of its sides [m] */
   PetscReal area[CELL_SIDES], at[CELL_SIDES][ISPH_MAX_DIM];    /* of its sides, 2 a and 2 a + 1 */
   PetscInt  n_surface;                                         /* parts of the surface */
   PetscReal normal[CELL_SURFACES][ISPH_MAX_DIM];               /* out of the part, times area */

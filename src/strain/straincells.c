@@ -515,15 +515,7 @@ static PetscErrorCode FindCells(const Scene *scene, const StrainQuantity *quanti
       facets->first[s->n] = facets->n;
       PetscCall(
           AddPart(scene, &cell, corners, n, fluid, fluid[q], quantity, &part, s, sides, facets));
-      for (PetscInt a = 0; a < l->dim; a++) { /* mean of the sides */
-        PetscReal sum = 0.0, area = 0.0;
-
-        for (PetscInt side = 0; side < 2 * l->dim; side++) {
-          sum += part.area[side] * part.at[side][a];
-          area += part.area[side];
-        }
-        s->centre[a][s->n] = area > 0.0 ? sum / area : cell.lo[a] + 0.5 * l->edge[a];
-      }
+      for (PetscInt a = 0; a < l->dim; a++) s->centre[a][s->n] = part.centre[a];
       s->n++;
     }
   }
@@ -737,6 +729,27 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(PetscFree(facets.first));
   PetscCall(PetscFree(facets.facet));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainSolid - Computes the volume that bodies cover in cell k of the block, and its middle x;
+   returns false past the last cell; not collective */
+PetscBool StrainSolid(const Scene *scene, const StrainCells *s, PetscInt k, PetscReal x[],
+                      PetscReal *volume)
+{
+  const StrainLattice *l   = &s->lattice;
+  PetscInt             all = l->distance ? 1 : 0;
+  PetscReal            d[CELL_CORNERS];
+  Cell                 cell;
+  CellPart             part;
+
+  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
+  if (k >= all) return PETSC_FALSE;
+  SetCell(scene, l, k, &cell);
+  for (PetscInt c = 0; c < 1 << l->dim; c++) d[c] = -l->distance[cell.node[c]];
+  StrainCut(l->dim, cell.lo, l->edge, d, &part);
+  *volume = part.volume;
+  for (PetscInt a = 0; a < l->dim; a++) x[a] = part.centre[a];
+  return PETSC_TRUE;
 }
 
 /* StrainDestroy - Frees the cells; not collective */

@@ -153,4 +153,13 @@ void StrainCut(PetscInt dim, const PetscReal lo[], const PetscReal edge[], const
   if (inside == 1 << dim) SetWhole(dim, lo, edge, part);
   else if (inside && dim == 2) CutRectangle(lo, edge, d, part);
   else if (inside) CutCuboid(lo, edge, d, part);
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal sum = 0.0, area = 0.0;
+
+    for (PetscInt side = 0; side < 2 * dim; side++) {
+      sum += part->area[side] * part->at[side][a];
+      area += part->area[side];
+    }
+    part->centre[a] = area > 0.0 ? sum / area : lo[a] + 0.5 * edge[a];
+  }
 }
