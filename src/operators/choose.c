@@ -317,7 +317,7 @@ static const char *CutSurfaceFault(const Scene *scene)
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
   if (SceneFluids(scene) > 1) return "one fluid";
   if (scene->n_scalars) return "no scalars";
-  if (scene->pose) return "fixed bodies only";
+  if (SceneHasFreeBodies(scene)) return "no free bodies";
   return NULL;
 }
 
