@@ -426,6 +426,25 @@ static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal nor
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the value at x of a function that is linear along the edges of a cell. */
+static PetscReal ValueAt(const StrainLattice *l, const Cell *cell, const PetscReal of_corner[],
+                         const PetscReal x[])
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt c = 0; c < 1 << l->dim; c++) {
+    PetscReal weight = of_corner[cell->node[c]];
+
+    for (PetscInt a = 0; a < l->dim; a++) {
+      const PetscReal t = (x[a] - cell->lo[a]) / l->edge[a];
+
+      weight *= (c >> a) & 1 ? t : 1.0 - t;
+    }
+    sum += weight;
+  }
+  return sum;
+}
+
 /* Adds the facets of a part of a cell. */
 static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corners *corners,
                               PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
@@ -449,9 +468,12 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
   for (PetscInt k = 0; k < part->n_surface; k++) {
     PetscInt        body = -1;
     const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
-    const PetscBool near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0];
-    const PetscBool wall = other < 0 || near;
+    PetscBool       near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0], wall;
 
+    if (body >= 0 && corners->depth) /* the facet is on what is less deep */
+      near = ValueAt(l, cell, l->distance, part->place[k]) <
+             ValueAt(l, cell, corners->depth, part->place[k]);
+    wall = other < 0 || near;
     if (corners->depth && !near) body = quantity->gives ? SceneBoundaries(scene) : -1;
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
