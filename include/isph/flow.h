@@ -321,6 +321,9 @@ typedef struct {
                                PetscReal *largest); /* largest |div u|; NULL: by Operators.div */
   /* This rank's part of the pressure at a point in the box; NULL: by a fit of the particles' */
   PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
+  /* Adds the forces of the pressure on own wall particles in strain cells that a free surface cuts,
+     component a on w at [w dim + a] [N] */
+  PetscErrorCode (*PressOnWalls)(const Flow *flow, PetscReal force[]);
   /* Du/Dt at present, by components [m/s^2]; NULL: from the formula of the last step */
   PetscErrorCode (*Accelerate)(const Flow *flow, PetscReal *const rate[]);
   PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */

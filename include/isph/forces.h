@@ -45,6 +45,9 @@ PetscReal FacetHeight(const Scene *scene, PetscInt side, const PetscReal x[]);
 PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
                               const PetscReal rate[], PetscReal nu[]);
 
+/* reactions.c */
+PetscErrorCode CellForces(const Flow *flow, PetscReal **force);
+
 /* The force on a boundary by the momentum of the fluid beside it. */
 typedef struct Reaction Reaction;
 PetscErrorCode          ReactionCreate(const Flow *flow, PetscInt side, Reaction **reaction);

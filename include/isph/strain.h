@@ -103,6 +103,8 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, 
 PetscErrorCode StrainTension(const Particles *particles, const StrainCells *cells,
                              PetscReal force[], PetscReal *area);
 PetscErrorCode StrainTensionSlopes(const Particles *particles, const StrainCells *cells, Mat *Q);
+PetscErrorCode StrainForces(const Scene *scene, const Particles *particles, const Vec u[],
+                            PetscReal dt, StrainCells *cells, PetscReal force[]);
 PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,
                                 const Neighbors *neighbors, const KernelSize *kernel,
                                 const StrainCells *cells, PetscReal value[],

@@ -43,6 +43,17 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
   }
 }
 
+/* Moves x to its periodic image nearest to the centre of a body. */
+static void NearestImage(const Scene *scene, const Reaction *r, PetscReal x[])
+{
+  for (PetscInt a = 0; a < scene->dim && BoundaryBody(scene, r->side); a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+
+    if (SceneIsPeriodic(scene, a))
+      x[a] -= period * PetscFloorReal((x[a] - r->centre[a]) / period + 0.5);
+  }
+}
+
 /* Adds a force at x to F, and its torque to T. */
 static void AddLoad(PetscInt dim, const PetscReal centre[], const PetscReal x[],
                     const PetscReal load[], PetscReal F[], PetscReal T[])
@@ -120,7 +131,7 @@ static PetscErrorCode AddMomentum(const Flow *flow, Reaction *r, PetscReal F[], 
     for (PetscInt a = 0; a < dim; a++) {
       load[a] = w * (rho[k] * (rate[k * dim + a] - f[a]) + r->linear.slope[a]);
       if (!PetscIsNanReal(p[k])) load[a] -= (p[k] - LinearAt(dim, &r->linear, x)) * g[a];
-      for (PetscInt b = 0; b < dim; b++)
+      for (PetscInt b = 0; b < dim && !flow->ops->strain; b++)
         load[a] += scene->rho * nu[k] * (grad[a * dim + b] + grad[b * dim + a]) * g[b];
       load[a] *= -l->volume[k];
     }
@@ -154,7 +165,7 @@ static PetscErrorCode AddTractions(const Flow *flow, PetscInt side, const Reacti
 
     if (PetscIsNanReal(f[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) {
-      load[a] = f[k * dim + a];
+      load[a] = layer && flow->ops->strain ? 0.0 : f[k * dim + a];
       if (!PetscIsNanReal(p[k])) load[a] -= s.area[k] * excess * s.normal[k * dim + a];
       load[a] *= w;
     }
@@ -163,6 +174,37 @@ static PetscErrorCode AddTractions(const Flow *flow, PetscInt side, const Reacti
   PetscCall(PetscFree(f));
   PetscCall(PetscFree(p));
   PetscCall(FacetsFree(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the forces of strain cells on the wall particles of a boundary, and, without a free surface,
+   those on the fluid times w: they have no other walls, however near. */
+static PetscErrorCode AddCells(const Flow *flow, const Reaction *r, PetscReal F[], PetscReal T[])
+{
+  const Particles *p                     = flow->particles;
+  const PetscInt   dim                   = p->dim;
+  PetscReal        sum[2 * ISPH_MAX_DIM] = {0.0}, *force;
+
+  PetscFunctionBegin;
+  PetscCall(CellForces(flow, &force));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
+    const PetscBool wall = ParticlesIsWall(p, j);
+    PetscReal       x[ISPH_MAX_DIM], w = 1.0, *load = &force[dim * j];
+
+    if (wall ? (PetscInt)p->side[j] != r->side : r->layer.n == 0) continue;
+    for (PetscInt a = 0; a < dim; a++) x[a] = p->x[a][j];
+    if (wall) ParticlesWallPoint(p, j, x);
+    NearestImage(flow->scene, r, x);
+    if (!wall) w = LayerWeight(&r->layer, x);
+    for (PetscInt a = 0; a < dim; a++) load[a] *= w;
+    if (w > 0.0) AddLoad(dim, r->centre, x, load, sum, &sum[ISPH_MAX_DIM]);
+  }
+  PetscCall(PetscFree(force));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2 * ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    F[a] += sum[a];
+    T[a] += sum[ISPH_MAX_DIM + a];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,6 +217,8 @@ static PetscErrorCode Measure(const Flow *flow, Reaction *r, PetscReal force[])
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(force, 2 * ISPH_MAX_DIM));
+  if (flow->ops->strain) PetscCall(AddCells(flow, r, force, torque));
+  if (flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
   if (flow->ops->free) {
     PetscCall(AddTractions(flow, r->side, r, NULL, force, torque));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,7 +247,7 @@ PetscErrorCode ReactionCreate(const Flow *flow, PetscInt side, Reaction **reacti
   PetscCall(FacetsOfWall(scene, side, &r->facets));
   if (BoundaryBody(scene, side)) PetscCall(FacetsOfBody(scene, side, FINE, &r->fine));
   else PetscCall(FacetsOfWall(scene, side, &r->fine));
-  if (!flow->ops->free) PetscCall(LayerSet(scene, side, &r->facets, &r->layer));
+  if (!SceneHasFreeSurface(scene)) PetscCall(LayerSet(scene, side, &r->facets, &r->layer));
   *reaction = r;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -300,7 +344,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side,
   PetscCall(PetscArrayzero(traction, 2 * ISPH_MAX_DIM));
   PetscCall(ReactionCreate(flow, side, &r));
   PetscCall(Measure(flow, r, momentum));
-  if (flow->ops->free) PetscCall(PetscArraycpy(traction, momentum, 2 * ISPH_MAX_DIM));
+  if (SceneHasFreeSurface(flow->scene))
+    PetscCall(PetscArraycpy(traction, momentum, 2 * ISPH_MAX_DIM));
   else {
     PetscCall(AddTractions(flow, side, r, NULL, traction, &traction[ISPH_MAX_DIM]));
     AddLinear(flow->scene->dim, r, traction, &traction[ISPH_MAX_DIM]);

@@ -108,7 +108,7 @@ static void AddLoads(const Flow *flow, const Loads *of, PetscReal level, Ledger 
     const PetscReal *n = &of->s.normal[k * dim], *u = &of->u[k * dim];
     PetscReal        load[ISPH_MAX_DIM], flux       = 0.0;
 
-    if (PetscIsNanReal(of->f[k * dim])) continue;
+    if (PetscIsNanReal(of->f[k * dim]) || flow->ops->cut_surface) continue;
     for (PetscInt a = 0; a < dim; a++) flux += carries * scene->rho * n[a] * u[a];
     for (PetscInt a = 0; a < dim; a++)
       load[a] = of->f[k * dim + a] - of->s.area[k] * ((of->p[k] - level) * n[a] + flux * u[a]);
@@ -144,7 +144,7 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
   const Particles *p       = flow->particles;
   const Scene     *scene   = flow->scene;
   const PetscReal  full    = p->weight * p->cell_volume;
-  const PetscReal  share   = flow->ops->free ? 1.0 : l->volume / full;
+  const PetscReal  share   = SceneHasFreeSurface(scene) ? 1.0 : l->volume / full;
   Ledger           inertia = {.volume = 0.0}, weight = {.volume = 0.0};
   const PetscReal  origin[ISPH_MAX_DIM] = {0.0}, turn = SceneFrameRate(scene, flow->clock->t);
   PetscReal       *rate[ISPH_MAX_DIM];
@@ -179,6 +179,29 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(rate[a]));
   PetscCall(AddLedger(flow, &weight, l));
   PetscCall(AddLedger(flow, &inertia, l));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the forces of the cells of a free surface on walls. */
+static PetscErrorCode AddCells(const Flow *flow, Ledger *l)
+{
+  const Particles *p     = flow->particles;
+  Ledger           walls = {.volume = 0.0};
+  PetscReal       *force;
+
+  PetscFunctionBegin;
+  if (!flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < p->dim; a++) walls.middle[a] = l->middle[a];
+  PetscCall(CellForces(flow, &force));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
+
+    if (!ParticlesIsWall(p, j)) continue;
+    ParticlesWallPoint(p, j, x);
+    AddForce(p->dim, x, &force[p->dim * j], &walls);
+  }
+  PetscCall(PetscFree(force));
+  PetscCall(AddLedger(flow, &walls, l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -289,7 +312,7 @@ static void SetMass(Flow *flow, const Ledger *l)
   const PetscReal start  = flow->particles->weight * flow->particles->cell_volume - gained;
   PetscReal       error = 0.5 * flow->scene->dx * l->open / start, all = gained / start;
 
-  if (flow->ops->free || l->flux_size == 0.0) return;
+  if (SceneHasFreeSurface(flow->scene) || l->flux_size == 0.0) return;
   if (!SceneMoves(flow->scene)) {
     all   = 2.0 * l->flux / l->flux_size;
     error = 0.0;
@@ -348,7 +371,7 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
       continue;
     PetscCall(LoadsOf(flow, side, &of[side], &l));
-    if (BoundaryBody(scene, side) && !flow->ops->free)
+    if (BoundaryBody(scene, side) && !SceneHasFreeSurface(scene))
       PetscCall(AddDifference(flow, side, &of[side].s, &l));
   }
   SetMass(flow, &l);
@@ -364,16 +387,20 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
   PetscCall(PetscFree(of));
   if (l.area == 0.0 || flow->clock->step == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AddFluid(flow, &l));
+  PetscCall(AddCells(flow, &l));
   AddEdges(scene, flow->clock->t, &l);
   SetForces(flow, &l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns true if the momentum of the fluid follows from the loads of boundaries: there are some,
-   pressure acts, and no surface tension pulls at contact lines. */
+   pressure acts, and no surface tension pulls at contact lines, but in cells that have its force.
+ */
 static PetscBool HasLoads(const Flow *flow)
 {
-  if (!SceneHas(flow->scene, PHYSICS_PRESSURE) || flow->scene->tension > 0.0) return PETSC_FALSE;
+  if (!SceneHas(flow->scene, PHYSICS_PRESSURE) ||
+      (flow->scene->tension > 0.0 && !flow->ops->cut_surface))
+    return PETSC_FALSE;
   for (PetscInt side = 0; side < SceneBoundaries(flow->scene); side++)
     if (!BoundaryIs(flow->scene, side, BOUNDARY_CONTINUES)) return PETSC_TRUE;
   return PETSC_FALSE;

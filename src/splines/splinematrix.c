@@ -490,6 +490,28 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplinesPressOnWalls - Adds the forces of a pressure on own wall particles, the adjoint of their
+   part in the divergence of strain cells; collective. Input/Output: force - component a on w at
+   [w dim + a] [N]. */
+PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[])
+{
+  const PetscReal    cell = PetscPowReal(s->scale, (PetscReal)s->lattice.dim);
+  const PetscScalar *load;
+  PetscInt           n;
+  Vec                walls;
+
+  PetscFunctionBegin;
+  if (!s->cut[2]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(s->cut[2], &walls, NULL));
+  PetscCall(MatMultTranspose(s->cut[2], p, walls));
+  PetscCall(VecGetLocalSize(walls, &n));
+  PetscCall(VecGetArrayRead(walls, &load));
+  for (PetscInt k = 0; k < n; k++) force[k] += cell * load[k];
+  PetscCall(VecRestoreArrayRead(walls, &load));
+  PetscCall(VecDestroy(&walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes A; splines that are no unknowns have the equation phi = 0. */
 static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 {

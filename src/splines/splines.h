@@ -399,6 +399,7 @@ PetscErrorCode SplinesMatrix(const Particles *particles, Splines *s);
 PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
+PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[]);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 
 /* splinesurface.c */

@@ -87,6 +87,9 @@ static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)
   return C * LEVEL_REACH * scene->dx / 1.5;
 }
 
+void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscReal *const value[],
+                          PetscReal tension, PetscReal dt, PetscReal force[]);
+PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *cells);
 PetscErrorCode StrainFeet(StrainFits *fits);
 PetscErrorCode StrainRowsOf(StrainFits *fits, const StrainPoints *points, StrainRows *rows);
 PetscErrorCode StrainRowsFree(StrainRows *rows);

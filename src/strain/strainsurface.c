@@ -200,6 +200,40 @@ PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* StrainTensionOnWalls - Adds the forces of the tension on wall particles, and their change in a
+   step, by the facets of this rank's box; not collective. Input: value - velocities by local index;
+   force - component a on particle j at [j dim + a] [N]. */
+void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscReal *const value[],
+                          PetscReal tension, PetscReal dt, PetscReal force[])
+{
+  const StrainSurface *s = &cells->surface;
+  const PetscInt       d = p->dim;
+
+  for (PetscInt f = 0; f < s->n; f++) {
+    FacetShape shape;
+    PetscReal  slope[ISPH_MAX_DIM] = {0.0}; /* of u.n along the facet, of the fluid alone */
+
+    if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    for (PetscInt pass = 0; pass < 2; pass++) {
+      for (PetscInt k = 0; k < d * d; k++) {
+        const PetscInt v = k / d, a = k % d;
+        const PetscInt r = (s->row[f] + v) * cells->sets + (cells->sets == 1 ? 0 : a);
+
+        for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++) {
+          const PetscInt  j = s->rows.j[e];
+          const PetscReal w = s->rows.w[e], normal = shape.normal[a];
+          PetscReal       change = shape.slope[v][a];
+
+          for (PetscInt b = 0; b < d && !pass && !ParticlesIsWall(p, j); b++)
+            slope[b] += w * normal * shape.slope[v][b] * value[a][j];
+          for (PetscInt b = 0; b < d; b++) change += dt * normal * shape.slope[v][b] * slope[b];
+          if (pass && ParticlesIsWall(p, j)) force[d * j + a] -= tension * w * shape.area * change;
+        }
+      }
+    }
+  }
+}
+
 /*
   StrainTensionSlopes - Creates the matrix Q with K = Q^T Q: interlaced components over fluid ->
   gradients of u.n along the facets of this rank's box, times the root of the area

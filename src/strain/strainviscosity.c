@@ -4,8 +4,9 @@
 
 #define RIDGE 1e-8 /* of the moments of a linear fit, over their trace */
 
-/* Computes the strains of the cells and their rates from velocities by local index. */
-static PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *s)
+/* StrainOfValues - Computes the strains of the cells and their rates from velocities by local
+   index; not collective */
+PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *s)
 {
   const PetscInt d = p->dim;
 

@@ -62,6 +62,14 @@ static PetscErrorCode PressureOnSplines(const Flow *flow, const PetscReal x[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the forces of the pressure on own wall particles. */
+static PetscErrorCode PressOnWalls(const Flow *flow, PetscReal force[])
+{
+  PetscFunctionBegin;
+  PetscCall(SplinesPressOnWalls(flow->scheme->splines, flow->scheme->splines->p, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Returns the width of the box along an axis in cells of the splines. */
 static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 {
@@ -136,8 +144,9 @@ PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
               (double)cells, (double)*spacing, "xyz"[a]);
   }
   flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
-  flow->scheme->Divergence = DivergenceOnSplines;
-  flow->scheme->Pressure   = PressureOnSplines;
+  flow->scheme->Divergence   = DivergenceOnSplines;
+  flow->scheme->Pressure     = PressureOnSplines;
+  flow->scheme->PressOnWalls = PressOnWalls;
   if (flow->state->has_convection || SceneMoves(flow->scene))
     PetscCall(OptionGiven("-velocity_filter", &given));
   if (!given && !SceneHasFreeSurface(flow->scene)) /* it would not keep momentum */
