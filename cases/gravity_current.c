@@ -121,7 +121,7 @@ static PetscErrorCode MeasureCurrent(const Flow *flow, PetscReal *front, PetscRe
     const PetscReal r = PetscSqrtReal(PetscSqr(p->x[0][i]) + PetscSqr(y));
     PetscInt        s = (PetscInt)(sectors * PetscAtan2Real(y, p->x[0][i]) / (0.5 * PETSC_PI));
 
-    if (flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
+    if (flow->ops->free && flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
     s       = PetscMin(PetscMax(s, 0), sectors - 1);
     most[s] = PetscMax(most[s], r);
     if (r < flow->scene->length) most[SECTORS] = PetscMax(most[SECTORS], p->x[up][i]);

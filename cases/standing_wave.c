@@ -5,6 +5,7 @@
   wave length L, depth L/2.
 */
 #include "cases.h"
+#include "isph/strain.h"
 
 #define DEPTH 0.5  /* [L] */
 #define CREST 0.01 /* elevation of the first crest [L] */
@@ -104,7 +105,7 @@ static PetscErrorCode StandingWaveSetup(Scene *scene)
   scene->hi[0] = scene->length;
   scene->hi[1] = DEPTH * scene->length;
   SceneSetAxis(scene, 0, &BoundaryPeriodic);
-  SceneSetSide(scene, 3, &BoundaryFree);
+  SceneFillUpTo(scene, 1u << 3);
   scene->body_force[1] = -PetscSqr(scene->speed) / scene->length;
   UserCheck(PetscImaginaryPartComplex(mode.sigma) > 0.1,
             "-reynolds: case standing_wave has no wave at %g; give 15 or more",
@@ -131,8 +132,20 @@ static void StandingWaveExact(const Scene *scene, PetscReal t, const PetscReal x
        scene->rho * U * U * (DEPTH - y - cosine * PetscRealPartComplex(mode.sigma * (up + down)));
 }
 
+/* Adds a point of the surface to the normal equations of a fit of its height. */
+static void AddHeight(PetscReal k, PetscReal x, PetscReal y, PetscReal sum[12])
+{
+  const PetscReal basis[] = {PetscCosReal(k * x), PetscSinReal(k * x), 1.0};
+
+  for (PetscInt r = 0; r < 3; r++) {
+    for (PetscInt c = 0; c < 3; c++) sum[3 * r + c] += basis[r] * basis[c];
+    sum[9 + r] += basis[r] * y;
+  }
+}
+
 /* Computes the amplitude of the surface: the factor of cos kx in a least-squares fit of its height
-   by 1, cos kx and sin kx; leaves it without three smooth particles. */
+   by 1, cos kx and sin kx at smooth particles, or at the middles of facets of strain cells; leaves
+   it without three of them. */
 static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
 {
   const Particles *p       = flow->particles;
@@ -140,14 +153,13 @@ static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
   PetscReal        sum[12] = {0.0}; /* normal equations by rows, then their right-hand side */
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal basis[] = {PetscCosReal(k * p->x[0][i]), PetscSinReal(k * p->x[0][i]), 1.0};
+  for (PetscInt i = 0; flow->ops->free && i < p->n_fluid; i++)
+    if (flow->ops->free->kind[i] == SURFACE_SMOOTH) AddHeight(k, p->x[0][i], p->x[1][i], sum);
+  for (PetscInt f = 0; !flow->ops->free && f < flow->ops->strain->surface.n; f++) {
+    const PetscReal *x       = &flow->ops->strain->surface.x[4 * f],
+                    middle[] = {0.5 * (x[0] + x[2]), 0.5 * (x[1] + x[3])};
 
-    if (flow->ops->free->kind[i] != SURFACE_SMOOTH) continue;
-    for (PetscInt r = 0; r < 3; r++) {
-      for (PetscInt c = 0; c < 3; c++) sum[3 * r + c] += basis[r] * basis[c];
-      sum[9 + r] += basis[r] * p->x[1][i];
-    }
+    if (ParticlesHolds(p, middle)) AddHeight(k, middle[0], middle[1], sum);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 12, MPIU_REAL, MPIU_SUM, p->comm));
   if (!DenseCholesky(3, sum)) {

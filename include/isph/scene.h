@@ -40,7 +40,6 @@ typedef enum {
   BOUNDARY_PARTICLES = 1 << 1, /* wall particles on or behind it bring its equations into fits */
   BOUNDARY_CONFINES  = 1 << 2, /* impermeable */
   BOUNDARY_NO_SLIP   = 1 << 3, /* the fluid has the velocity of the boundary */
-  BOUNDARY_FREE      = 1 << 4, /* free surface: no stress; its particles carry it */
   BOUNDARY_INFLOW    = 1 << 5, /* fluid enters or leaves with the velocity of the boundary */
   BOUNDARY_OUTFLOW   = 1 << 6  /* fluid leaves or returns at a given pressure */
 } BoundaryProperty;
@@ -74,7 +73,7 @@ typedef struct {
 extern const Table       BoundaryTable;
 extern const char *const BoxAxes[], *const BoxSides[]; /* NULL after the last */
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
-    BoundaryFree, BoundaryInflow; /* kinds that cases and options set */
+    BoundaryInflow; /* kinds that cases and options set */
 
 /* The freedom of a body that moves by the forces on it, see src/scene/freebodies.c; in 2D per metre
    of depth. */
@@ -446,6 +445,7 @@ const char      *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const 
                          Body *body);
 void             BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
 void             BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
+void             BodyBox(Scene *scene, const PetscReal lo[], const PetscReal hi[], Body *body);
 const char      *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
 const ShapeRow  *BodyOutline(const Scene *scene, const Body *body);
 void             BodyArm(const Scene *scene, const Body *body, const PetscReal x[],
@@ -462,6 +462,7 @@ PetscReal        SceneDistance(const Scene *scene, const PetscReal x[], PetscInt
                                PetscReal normal[]);
 PetscReal        SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
 Body            *SceneAddFilled(Scene *scene);
+void             SceneFillUpTo(Scene *scene, unsigned sides);
 PetscReal        SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
 PetscBool        SceneHasFreeSurface(const Scene *scene);
 void             SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,

@@ -39,25 +39,13 @@ void FacetsCopy(PetscInt k, PetscInt to, Facets *f)
   f->area[to] = f->area[k];
 }
 
-/* Returns the share of cell i of the lattice along an axis that lies in the box, and its middle
-   [cells]. Cells of particles on a free side have the other half outside. */
-static PetscReal ShareInBox(const Scene *scene, PetscInt axis, PetscInt i, PetscReal *middle)
-{
-  const PetscInt  last = scene->cells[axis] - 1;
-  const PetscReal low  = i == 0 && BoundaryIs(scene, 2 * axis, BOUNDARY_FREE) ? 0.5 : 0.0;
-  const PetscReal high = i == last && BoundaryIs(scene, 2 * axis + 1, BOUNDARY_FREE) ? 0.5 : 0.0;
-
-  *middle = i + 0.5 * (low + 1.0 - high);
-  return 1.0 - low - high;
-}
-
 /* Sets the facets of a side of the box to the lattice cells on it. */
 static void SetSide(const Scene *scene, PetscInt side, Facets *f)
 {
   const PetscInt axis = side / 2, dim = scene->dim;
 
   for (PetscInt k = 0; k < f->n; k++) {
-    PetscReal edge[ISPH_MAX_DIM], middle;
+    PetscReal edge[ISPH_MAX_DIM];
     PetscInt  index = k;
 
     f->area[k] = 1.0;
@@ -65,8 +53,7 @@ static void SetSide(const Scene *scene, PetscInt side, Facets *f)
       f->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
       f->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
       if (a == axis) continue;
-      f->area[k] *= ShareInBox(scene, a, index % scene->cells[a], &middle);
-      f->x[k * dim + a] = SceneLatticePlace(scene, a, middle);
+      f->x[k * dim + a] = SceneLatticePlace(scene, a, index % scene->cells[a] + 0.5);
       index /= scene->cells[a];
     }
     SceneEdges(scene, &f->x[k * dim], edge);

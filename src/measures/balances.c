@@ -368,16 +368,14 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
   for (PetscInt a = 0; a < scene->dim; a++) l.middle[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
   for (PetscInt side = 0; side < n; side++) {
     of[side].s.n = 0;
-    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
-      continue;
+    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES)) continue;
     PetscCall(LoadsOf(flow, side, &of[side], &l));
     if (BoundaryBody(scene, side) && !SceneHasFreeSurface(scene))
       PetscCall(AddDifference(flow, side, &of[side].s, &l));
   }
   SetMass(flow, &l);
   for (PetscInt side = 0; side < n; side++) {
-    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
-      continue;
+    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES)) continue;
     AddLoads(flow, &of[side], flow->ops->free ? scene->outside : l.pressure / l.area, &l);
     PetscCall(PetscFree(of[side].f));
     PetscCall(PetscFree(of[side].p));

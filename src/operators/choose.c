@@ -313,7 +313,6 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 static const char *CutSurfaceFault(const Scene *scene)
 {
   if (!SceneMoves(scene)) return "moving particles only";
-  if (!scene->n_filled) return "regions -scene_filled_<k> only";
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
   if (SceneFluids(scene) > 1) return "one fluid";
   if (scene->n_scalars) return "no scalars";

@@ -206,6 +206,18 @@ void BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
   (void)BodySet(scene, scene->dim == 3 ? &ShapeCylinder : &ShapeCircle, 3, number, body);
 }
 
+/* BodyBox - Sets a body to the box from lo to hi [m]; not collective */
+void BodyBox(Scene *scene, const PetscReal lo[], const PetscReal hi[], Body *body)
+{
+  PetscReal number[2 * ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    number[a]              = lo[a];
+    number[scene->dim + a] = hi[a];
+  }
+  (void)BodySet(scene, scene->dim == 3 ? &ShapeCuboid : &ShapeBox, 2 * scene->dim, number, body);
+}
+
 /* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m]; not collective */
 void BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
 {

@@ -33,7 +33,7 @@ const BoundaryRow BoundaryPeriodic = {
 /* A side of the box inside a solid at rest: with zero velocity in the solid it has no slip. */
 const BoundaryRow BoundaryNone = {
     .name       = "none",
-    .brief      = "side in the solid of a body around the fluid",
+    .brief      = "side in the solid of a body around the fluid, or beyond a free surface",
     .citation   = "",
     .properties = BOUNDARY_NO_SLIP,
 };
@@ -42,7 +42,7 @@ const BoundaryRow BoundaryNone = {
 #define KINDS(ROW)                                                                                 \
   ROW(BoundaryWall)                                                                                \
   ROW(BoundaryPeriodic)                                                                            \
-  ROW(BoundarySymmetry) ROW(BoundaryInflow) ROW(BoundaryOutflow) ROW(BoundaryFree) ROW(BoundaryNone)
+  ROW(BoundarySymmetry) ROW(BoundaryInflow) ROW(BoundaryOutflow) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
 KINDS(DECLARE)

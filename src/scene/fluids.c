@@ -51,7 +51,6 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
   PetscInt side;
 
   if (SceneFluidDistance(scene, x, &side) < 0.0) return PETSC_FALSE;
-  if (SceneDistanceTo(scene, BOUNDARY_FREE, x, &side) < 0.0) return PETSC_FALSE;
   for (PetscInt k = 0; k < scene->n_filled; k++)
     if (SceneFilledDistance(scene, k, x) >= 0.0) return PETSC_TRUE;
   return scene->n_filled ? PETSC_FALSE : PETSC_TRUE;

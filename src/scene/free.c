@@ -3,38 +3,46 @@
 
     sigma n = 0:   t.(grad u + grad u^T) n = 0,   p = 2 mu n.E n,
 
-  with the outward normal n and tangents t. At the start they are sides of the box, or the borders
-  of the regions that the fluid fills, as far as they are inside the box and outside other regions
-  and bodies; later the particles on the surface carry it (freesurface.c). No side of a box with
-  such regions is of this kind: each keeps its own also where the fluid is not yet.
+  with the outward normal n and tangents t. At the start they are the borders of the regions that the
+  fluid fills, as far as they are inside the box and outside other regions and bodies.
 */
 #include "isph/scene.h"
 
 #define LOOK_MOST 4e7 /* points at which regions are looked at */
-
-const BoundaryRow BoundaryFree = {
-    .name       = "free",
-    .brief      = "free surface at the start: no stress; it moves with the fluid",
-    .citation   = "",
-    .option     = {.name  = "-scene_free",
-                   .kind  = VALUE_NAMES,
-                   .brief = "sides of the box that are free surfaces at the start",
-                   .words = BoxSides,
-                   .table = &BoundaryTable,
-                   .where = "-case scene"},
-    .properties = BOUNDARY_FREE,
-    .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NONE,
-                   [FIT_VELOCITY_TANGENTIAL] = EQUATION_NONE,
-                   [FIT_DIVERGENCE]          = EQUATION_NONE,
-                   [FIT_PRESSURE]            = EQUATION_VALUE,
-                   [FIT_PRESSURE_FREE]       = EQUATION_NONE},
-};
 
 /* SceneAddFilled - Adds a region that the fluid fills at the start, whose shape the caller sets;
    returns the shape; not collective */
 Body *SceneAddFilled(Scene *scene)
 {
   return &scene->filled[scene->n_filled++];
+}
+
+/* SceneFillUpTo - Lets the fluid fill the box up to some sides, bits of their numbers, which are
+   free surfaces at the start: beyond each the box goes on for its own length, and ends without a
+   boundary; not collective */
+void SceneFillUpTo(Scene *scene, unsigned sides)
+{
+  PetscReal end[2][ISPH_MAX_DIM];
+  PetscInt  n = 0;
+
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const PetscInt  a      = side / 2;
+    const PetscReal length = scene->hi[a] - scene->lo[a];
+
+    end[side % 2][a] = side % 2 ? scene->hi[a] : scene->lo[a];
+    if (sides >> side & 1) n++;
+    else end[side % 2][a] += side % 2 ? length : -length; /* beyond the box */
+  }
+  if (!n) return;
+  BodyBox(scene, end[0], end[1], SceneAddFilled(scene));
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal length = scene->hi[a] - scene->lo[a];
+
+    if (sides >> (2 * a) & 1) scene->lo[a] -= length;
+    if (sides >> (2 * a + 1) & 1) scene->hi[a] += length;
+  }
+  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+    if (sides >> side & 1) SceneSetSide(scene, side, &BoundaryNone);
 }
 
 /* SceneFilledDistance - Returns the distance of x from the border of a region that the fluid fills
@@ -91,5 +99,5 @@ void SceneDropFullRegions(Scene *scene)
 /* SceneHasFreeSurface - Returns true if the fluid has a free surface; not collective */
 PetscBool SceneHasFreeSurface(const Scene *scene)
 {
-  return scene->n_filled || SceneHasBoundary(scene, BOUNDARY_FREE);
+  return scene->n_filled ? PETSC_TRUE : PETSC_FALSE;
 }

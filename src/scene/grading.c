@@ -67,21 +67,13 @@ static PetscReal MapStrength(PetscReal ratio)
   return 0.5 * (low + high);
 }
 
-/* Returns the share of a cell beyond an end of an axis: the particles on a free surface have half
-   of their cells there [cells]. */
-static PetscReal Beyond(const Scene *scene, PetscInt side)
-{
-  return BoundaryIs(scene, side, BOUNDARY_FREE) ? 0.5 : 0.0;
-}
-
 /* SceneLatticePlace - Returns the coordinate of a place on the lattice, given in cells from the low
    end of an axis [m]; not collective */
 PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
 {
   const LatticeMap *map = &scene->map[axis];
 
-  if (map->strength == 0.0)
-    return scene->lo[axis] + (place - Beyond(scene, 2 * axis)) * SceneCellSide(scene, axis);
+  if (map->strength == 0.0) return scene->lo[axis] + place * SceneCellSide(scene, axis);
   return scene->lo[axis] +
          (scene->hi[axis] - scene->lo[axis]) * MapForward(map, place / scene->cells[axis]);
 }
@@ -112,19 +104,17 @@ PetscReal SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x)
 }
 
 /* SceneCellSide - Returns the mean edge of the cells of the lattice along an axis [m]; it equals dx
-   if the length of the box is a multiple of dx, or of dx less dx/2 for each free surface */
+   if the length of the box is a multiple of dx */
 PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
 {
-  return (scene->hi[axis] - scene->lo[axis]) /
-         (scene->cells[axis] - Beyond(scene, 2 * axis) - Beyond(scene, 2 * axis + 1));
+  return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
 }
 
 /* SceneCellsAlong - Returns the number of cells of the reference spacing along an axis; not
    collective */
 PetscInt SceneCellsAlong(const Scene *scene, PetscInt axis)
 {
-  return (PetscInt)PetscFloorReal((scene->hi[axis] - scene->lo[axis]) / scene->dx + 0.5 +
-                                  Beyond(scene, 2 * axis) + Beyond(scene, 2 * axis + 1));
+  return (PetscInt)PetscFloorReal((scene->hi[axis] - scene->lo[axis]) / scene->dx + 0.5);
 }
 
 /* SceneCountCells - Computes the product of n numbers of cells, and refuses numbers that are too

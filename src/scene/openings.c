@@ -243,6 +243,9 @@ static PetscErrorCode ReadInterval(Scene *scene, PetscInt side, const OptionRow 
   (void)AlongSide(scene, side, axis);
   opening[0] = scene->lo[axis[0]];
   opening[1] = scene->hi[axis[0]];
+  if (scene->n_filled) BodySpan(&scene->filled[0], axis[0], opening); /* up to a free side */
+  opening[0] = PetscMax(opening[0], scene->lo[axis[0]]);
+  opening[1] = PetscMin(opening[1], scene->hi[axis[0]]);
   PetscCall(OptionGetReals(row, 2, opening, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(n == 2, "%s: 2 numbers are required, got %" PetscInt_FMT, row->name, n);

@@ -7,6 +7,7 @@
 enum {
   BOX,
   WALL_VELOCITY,
+  FREE,
   FILLED,
   FLUID,
   FLUID_VISCOSITY,
@@ -35,6 +36,15 @@ static const OptionRow options[] = {
             .standard = "0; of an inflow that of -scene_exact; of an outflow none",
             .places   = BoxSides,
             .where    = "-case scene, sides that are walls, inflows or outflows",
+        },
+    [FREE] =
+        {
+            .name  = "-scene_free",
+            .kind  = VALUE_NAMES,
+            .brief = "sides of the box that are free surfaces at the start; the box goes on for "
+                     "its own length beyond them, and is empty there",
+            .words = BoxSides,
+            .where = "-case scene",
         },
     [FILLED] =
         {
@@ -149,6 +159,26 @@ static PetscErrorCode ReadKinds(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads the sides that are free surfaces at the start. */
+static PetscErrorCode ReadFree(Scene *scene)
+{
+  unsigned chosen;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetFlags(&options[FREE], &chosen));
+  for (PetscInt side = 0; side < 2 * ISPH_MAX_DIM; side++) {
+    const BoundaryRow *before = scene->boundary[side].kind;
+
+    if (!(chosen >> side & 1)) continue;
+    UserCheck(side < 2 * scene->dim, "-scene_free: %s is of a box in 3D; use -dim 3",
+              BoxSides[side]);
+    UserCheck(before == &BoundaryWall, "%s and -scene_free: both name the %s side",
+              before->option.name, BoxSides[side]);
+  }
+  SceneFillUpTo(scene, chosen);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the flow at the start and the reference solution. */
 static PetscErrorCode ReadFields(Scene *scene)
 {
@@ -199,7 +229,8 @@ static PetscErrorCode ReadSides(Scene *scene)
 /* Reads the regions 1, 2, ... that the fluid fills at the start. */
 static PetscErrorCode ReadFilled(Scene *scene)
 {
-  PetscBool given = PETSC_TRUE;
+  const PetscInt sides = scene->n_filled;
+  PetscBool      given = PETSC_TRUE;
 
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_FILLED; k++) {
@@ -207,13 +238,15 @@ static PetscErrorCode ReadFilled(Scene *scene)
 
     PetscCall(ShapeRead(scene, &options[FILLED], k, -1, &body, &given));
     if (!given) break;
+    UserCheck(!sides, "-scene_free: the borders of -scene_filled_1 are the free surface; leave "
+                      "-scene_free out");
     UserCheck(BodyLoops(&body) == 1,
               "-scene_filled_%" PetscInt_FMT ": its border has %" PetscInt_FMT
               " loops; type them as regions of their own, or a hole as a region of another fluid",
               k, BodyLoops(&body));
     *SceneAddFilled(scene) = body;
   }
-  PetscCall(ShapeCheckNumbers(&options[FILLED], scene->n_filled, SCENE_MAX_FILLED));
+  PetscCall(ShapeCheckNumbers(&options[FILLED], scene->n_filled - sides, SCENE_MAX_FILLED));
   PetscCall(SceneCheckFilled(scene));
   SceneDropFullRegions(scene);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -338,6 +371,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   }
   PetscCall(CheckWidth(scene));
   PetscCall(ReadKinds(scene));
+  PetscCall(ReadFree(scene));
   PetscCall(SceneReadBodies(given, scene));
   PetscCall(CheckWidth(scene));
   PetscCall(ReadFields(scene));

@@ -201,7 +201,7 @@ PetscReal SceneNarrowestGap(const Scene *scene, PetscInt between[2], PetscReal x
 
 /*
   SceneCheckFilled - Refuses regions filled at the start that are thin or outside the box, that end
-  on a single one of two periodic sides, or that stand beside -scene_free
+  on a single one of two periodic sides
 
   Collective. A region reaches over both periodic sides of an axis or over none.
 */
@@ -210,9 +210,6 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
   const PetscReal least = 2.0 * SceneCoarsest(scene), slack = 1e-6 * SceneTolerance(scene);
 
   PetscFunctionBegin;
-  UserCheck(!scene->n_filled || !SceneHasBoundary(scene, BOUNDARY_FREE),
-            "-scene_free: the borders of -scene_filled_1 are the free surface; leave -scene_free "
-            "out");
   for (PetscInt k = 0; k < scene->n_filled; k++) {
     const ShapeRow *outline = BodyOutline(scene, &scene->filled[k]);
 
@@ -426,7 +423,7 @@ static PetscErrorCode CheckFrameSides(Scene *scene)
               "-motion frame: the %s side of the box is not round about the axis of the frame; put "
               "the fluid into a round -scene_domain, or use -motion lagrangian",
               BoxSides[side]);
-    UserCheck(!(kind->properties & (BOUNDARY_FREE | BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)),
+    UserCheck(!(kind->properties & (BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)),
               "-motion frame: %s has no fixed particles in a turning frame; allowed along z are "
               "walls, periodic sides and symmetry",
               kind->option.name);

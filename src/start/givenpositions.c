@@ -1,22 +1,6 @@
 /* Fluid that starts at given positions, and its volumes. */
 #include "start.h"
 
-/* LatticePartInside - Returns the part of the volume of lattice cells that is fluid: particles on
-   free sides of the box have half a cell outside, and all particles lose the same share [-]; not
-   collective */
-PetscReal LatticePartInside(const Scene *scene)
-{
-  PetscReal part = 1.0;
-
-  for (PetscInt side = 0; side < 2 * scene->dim; side += 2) {
-    const PetscInt free =
-        BoundaryIs(scene, side, BOUNDARY_FREE) + BoundaryIs(scene, side + 1, BOUNDARY_FREE);
-
-    part *= (scene->cells[side / 2] - 0.5 * free) / scene->cells[side / 2];
-  }
-  return part;
-}
-
 /*
   GivenFill - Creates fluid at given positions
 
@@ -25,20 +9,18 @@ PetscReal LatticePartInside(const Scene *scene)
 */
 PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p)
 {
-  const PetscReal part   = LatticePartInside(scene);
-  PetscReal       volume = 0.0;
-  Pools           pools  = {0};
+  PetscReal volume = 0.0;
+  Pools     pools  = {0};
 
   PetscFunctionBegin;
   PetscCall(PoolsCreate(scene, &pools));
   for (PetscInt pool = 0; pool < pools.n; pool++) volume += pools.volume[pool];
   PetscCall(PoolsDestroy(&pools));
   for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i]   = start->first + i;
-    p->kind[i] = PARTICLE_FLUID;
-    p->dx[i]   = SceneSpacing(scene, &start->x[i * p->dim]);
-    p->volume[i] =
-        volume > 0.0 ? volume / start->N : part * SceneVolumeAt(scene, &start->x[i * p->dim]);
+    p->id[i]     = start->first + i;
+    p->kind[i]   = PARTICLE_FLUID;
+    p->dx[i]     = SceneSpacing(scene, &start->x[i * p->dim]);
+    p->volume[i] = volume > 0.0 ? volume / start->N : SceneVolumeAt(scene, &start->x[i * p->dim]);
     for (PetscInt a = 0; a < p->dim; a++) {
       p->x[a][i] = start->x[i * p->dim + a];
       if (start->u) p->u[a][i] = start->u[i * p->dim + a];

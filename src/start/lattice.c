@@ -92,21 +92,8 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   return *depth < walls.layers * dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
-/* Returns true if a particle at the coordinate x lies on a free side of the box across axis a. */
-static PetscBool OnFreeSide(const Scene *scene, PetscInt a, PetscReal x)
-{
-  for (PetscInt end = 0; end < 2; end++) {
-    const PetscReal height = PetscAbsReal(x - (end ? scene->hi[a] : scene->lo[a]));
-
-    if (BoundaryIs(scene, 2 * a + end, BOUNDARY_FREE) && height < 0.25 * scene->dx)
-      return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/* Displaces a fluid particle at random. On a free side of the box it stays on this side. It stays
-   0.25 dx away from bodies, and 0.3 of a cell away from walls of the box if their particles are not
-   displaced. */
+/* Displaces a fluid particle at random. It stays 0.25 dx away from bodies, and 0.3 of a cell away
+   from walls of the box if their particles are not displaced. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   const PetscReal dx = SceneSpacing(scene, x);
@@ -119,7 +106,6 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal side = scene->hi[a] - scene->lo[a], h = edge[a];
 
-    if (OnFreeSide(scene, a, x[a])) continue;
     x[a] += scene->jitter * (dx / stretch[a]) * ParticlesHash(scene->seed, id, a);
     if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)
@@ -278,9 +264,8 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {
-  const PetscReal part = LatticePartInside(scene);
-  PetscReal       x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
-  PetscInt        body, i = 0;
+  PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
+  PetscInt  body, i = 0;
 
   for (PetscInt c = first; c < last; c++) {
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
@@ -291,7 +276,7 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     p->id[i]     = fluid + i;
     p->kind[i]   = PARTICLE_FLUID;
     p->dx[i]     = SceneSpacing(scene, x);
-    p->volume[i] = part * SceneVolumeAt(scene, x);
+    p->volume[i] = SceneVolumeAt(scene, x);
     SetStretch(scene, x, p, i);
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];

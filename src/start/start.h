@@ -105,7 +105,6 @@ PetscBool      BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal r
 PetscErrorCode BorderParticles(const Pools *pools, Rows *rows);
 
 /* givenpositions.c */
-PetscReal      LatticePartInside(const Scene *scene);
 PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p);
 
 /* irregularstart.c */

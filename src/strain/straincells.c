@@ -45,9 +45,7 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
   l->dim = p->dim;
   for (PetscInt a = 0; a < p->dim; a++) {
     const PetscReal length = scene->hi[a] - scene->lo[a], reach = (FIT_REACH + edge) * scene->dx;
-    const PetscBool around = SceneIsPeriodic(scene, a) || BoundaryIs(scene, 2 * a, BOUNDARY_FREE) ||
-                             BoundaryIs(scene, 2 * a + 1, BOUNDARY_FREE);
-    PetscInt first, last;
+    PetscInt        first, last;
 
     l->cells[a] = PetscMax(1, (PetscInt)(length / (edge * scene->dx) + 0.5));
     l->edge[a]  = length / l->cells[a];
@@ -55,7 +53,7 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
                                      l->edge[a]);
     last  = (PetscInt)PetscFloorReal((PetscMin(p->hi[a], scene->hi[a]) + reach - scene->lo[a]) /
                                      l->edge[a]);
-    if (!around) {
+    if (!SceneIsPeriodic(scene, a)) {
       first = PetscMax(first, 0);
       last  = PetscMin(last, l->cells[a] - 1);
     }
@@ -373,7 +371,7 @@ static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const Cell *
 {
   const PetscInt a = side / 2, index = l->first[a] + cell->cell[a];
 
-  if (SceneIsPeriodic(scene, a) || BoundaryIs(scene, side, BOUNDARY_FREE)) return -1;
+  if (SceneIsPeriodic(scene, a)) return -1;
   if (side % 2 ? index == l->cells[a] - 1 : index == 0) return side;
   return -1;
 }
