@@ -3,8 +3,8 @@
 
     sigma n = 0:   t.(grad u + grad u^T) n = 0,   p = 2 mu n.E n,
 
-  with the outward normal n and tangents t. At the start they are the borders of the regions that the
-  fluid fills, as far as they are inside the box and outside other regions and bodies.
+  with the outward normal n and tangents t. At the start they are the borders of the regions that
+  the fluid fills, as far as they are inside the box and outside other regions and bodies.
 */
 #include "isph/scene.h"
 

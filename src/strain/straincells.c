@@ -318,6 +318,23 @@ static void SortCells(const Particles *p, Levels *of)
   }
 }
 
+/* Ends the run if fluid is outside the box, where there are no cells; collective. */
+static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
+{
+  int out = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    for (PetscInt a = 0; a < p->dim; a++)
+      if (!SceneIsPeriodic(scene, a) && (p->x[a][i] < scene->lo[a] || p->x[a][i] > scene->hi[a]))
+        out = 1;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MAX, p->comm));
+  UserCheck(!out, "-scene_box: fluid has left the box, and with -visc_laplacian weak_stress there "
+                  "is none outside; give a "
+                  "smaller -t_end or a larger -scene_box");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
 static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
                                   Corners *corners)
@@ -328,6 +345,7 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   Levels    of = {.scene = scene, .l = l, .corners = corners};
 
   PetscFunctionBegin;
+  PetscCall(CheckInside(scene, p));
   PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &cells));
   PetscCall(PetscMalloc3(cells.n + 1, &list, corners->all, &C, corners->all, &of.cell));
   for (PetscInt k = 0; k < corners->all; k++) {
