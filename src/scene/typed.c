@@ -170,10 +170,10 @@ static PetscErrorCode ReadFree(Scene *scene)
     const BoundaryRow *before = scene->boundary[side].kind;
 
     if (!(chosen >> side & 1)) continue;
-    UserCheck(side < 2 * scene->dim, "-scene_free: %s is of a box in 3D; use -dim 3",
+    UserCheck(side < 2 * scene->dim, "%s: %s is of a box in 3D; use -dim 3", options[FREE].name,
               BoxSides[side]);
-    UserCheck(before == &BoundaryWall, "%s and -scene_free: both name the %s side",
-              before->option.name, BoxSides[side]);
+    UserCheck(before == &BoundaryWall, "%s and %s: both name the %s side", before->option.name,
+              options[FREE].name, BoxSides[side]);
   }
   SceneFillUpTo(scene, chosen);
   PetscFunctionReturn(PETSC_SUCCESS);
