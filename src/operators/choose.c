@@ -316,7 +316,6 @@ static const char *CutSurfaceFault(const Scene *scene)
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
   if (SceneFluids(scene) > 1) return "one fluid";
   if (scene->n_scalars) return "no scalars";
-  if (SceneHasFreeBodies(scene)) return "no free bodies";
   return NULL;
 }
 
