@@ -109,6 +109,8 @@ PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,
                                 const Neighbors *neighbors, const KernelSize *kernel,
                                 const StrainCells *cells, PetscReal value[],
                                 PetscReal *const gradient[]);
+PetscErrorCode StrainPieces(const Scene *scene, const Particles *particles,
+                            const StrainCells *cells, PetscInt piece[]);
 PetscBool      StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
                            PetscReal *volume);
 PetscErrorCode StrainDestroy(StrainCells **cells);

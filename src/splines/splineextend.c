@@ -191,10 +191,11 @@ static void FitMasters(PetscInt dim, SplineSlave *slave)
 }
 
 /* SplineNearMasters - Gives spline q the linear fit of masters about as near as the nearest;
-   returns false if there is none; not collective. Input: enough - splines that can be masters.
+   returns false if there is none; not collective. Input: enough - splines that can be masters;
+   piece - the pieces of fluid of splines, which have masters in their own only; -1: in any.
    Output: slave - n, weight, and indices of masters. */
-PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[], PetscInt q,
-                            SplineSlave *slave)
+PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[],
+                            const PetscInt piece[], PetscInt q, SplineSlave *slave)
 {
   const PetscInt from[ISPH_MAX_DIM] = {-3, -3, -3}, width[ISPH_MAX_DIM] = {7, 7, 7};
   PetscReal      nearest = PETSC_INFINITY;
@@ -209,7 +210,7 @@ PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[], Pe
 
       SplineIndex(l->dim, from, width, k, step);
       m = StepTo(l, index, step, to);
-      if (m < 0 || !enough[m]) continue;
+      if (m < 0 || !enough[m] || (piece[q] >= 0 && piece[m] != piece[q])) continue;
       for (PetscInt a = 0; a < l->dim; a++) d += PetscSqr((PetscReal)step[a]);
       d = PetscSqrtReal(d);
       if (pass == 0) nearest = PetscMin(nearest, d);

@@ -295,8 +295,8 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
 PetscReal SplineSumAt(const Splines *s, const Particles *p, const PetscScalar all[],
                       const PetscReal x[], PetscReal gradient[]);
 PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
-PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[], PetscInt q,
-                            SplineSlave *slave);
+PetscBool SplineNearMasters(const SplineLattice *l, const PetscBool enough[],
+                            const PetscInt piece[], PetscInt q, SplineSlave *slave);
 PetscBool SplineSideGives(const SplineLattice *l);
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
 

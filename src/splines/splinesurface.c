@@ -69,8 +69,49 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds the piece of the fluid that is nearest to the centre of each spline; -1: none is in it. */
+static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const StrainCells *cells,
+                                 PetscInt piece[])
+{
+  const SplineLattice *l = &s->lattice;
+  PetscInt            *of_cell;
+  struct {
+    double far;
+    int    piece;
+  } * nearest;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(cells->n, &of_cell, l->N, &nearest));
+  PetscCall(StrainPieces(l->scene, p, cells, of_cell));
+  for (PetscInt q = 0; q < l->N; q++) {
+    nearest[q].far   = PETSC_MAX_REAL;
+    nearest[q].piece = -1;
+  }
+  for (PetscInt c = 0; c < cells->n; c++) {
+    PetscReal    x[ISPH_MAX_DIM];
+    SplineValues at;
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+    if (of_cell[c] < 0 || !ParticlesHolds(p, x)) continue;
+    SplinesAt(l, x, &at);
+    for (PetscInt k = 0; k < at.n; k++) { /* the largest value is the nearest */
+      const PetscInt q = SplineNatural(l, at.index[k]);
+
+      if (-at.value[k] >= nearest[q].far) continue;
+      nearest[q].far   = -at.value[k];
+      nearest[q].piece = (int)of_cell[c];
+    }
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, nearest, (int)l->N, MPI_DOUBLE_INT, MPI_MINLOC, p->comm));
+  for (PetscInt q = 0; q < l->N; q++) piece[q] = nearest[q].piece;
+  PetscCall(PetscFree2(of_cell, nearest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds splines to those with enough fluid where none is near: those with the most around. */
-static void AddLocal(const SplineLattice *l, const PetscReal share[], PetscBool enough[])
+static void AddLocal(const SplineLattice *l, const PetscReal share[], const PetscInt piece[],
+                     PetscBool enough[])
 {
   PetscBool more = PETSC_TRUE;
 
@@ -81,7 +122,7 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], PetscBool 
       SplineSlave slave;
 
       if (enough[q] || share[q] < SURFACE_LEAST || (best >= 0 && share[q] <= share[best])) continue;
-      if (!SplineNearMasters(l, enough, q, &slave)) best = q;
+      if (!SplineNearMasters(l, enough, piece, q, &slave)) best = q;
     }
     more = best >= 0;
     if (more) enough[best] = PETSC_TRUE;
@@ -99,14 +140,16 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
   const SplineLattice *l = &s->lattice;
   PetscReal           *share, *solid;
   PetscBool           *enough;
+  PetscInt            *piece;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(l->N, &share, l->N, &solid, l->N, &enough));
+  PetscCall(PetscMalloc4(l->N, &share, l->N, &solid, l->N, &enough, l->N, &piece));
   PetscCall(Shares(p, s, cells, PETSC_FALSE, share));
   PetscCall(Shares(p, s, cells, PETSC_TRUE, solid));
   for (PetscInt q = 0; q < l->N; q++)
     enough[q] = share[q] >= SOLID_ENOUGH && share[q] + solid[q] >= SURFACE_ENOUGH;
-  AddLocal(l, share, enough);
+  PetscCall(FindPieces(p, s, cells, piece));
+  AddLocal(l, share, piece, enough);
   PetscCall(MatDestroy(&s->surface));
   PetscCall(PetscFree(s->slave));
   PetscCall(PetscCalloc1(s->own.size, &s->slave));
@@ -125,13 +168,13 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
       continue;
     }
     s->slave[k] = PETSC_TRUE;
-    if (!SplineNearMasters(l, enough, q, &slave)) continue;
+    if (!SplineNearMasters(l, enough, piece, q, &slave)) continue;
     for (PetscInt m = 0; m < slave.n; m++)
       PetscCall(MatSetValue(s->surface, row, SplinesGlobal(s, p, slave.master[m]), slave.weight[m],
                             INSERT_VALUES));
   }
   PetscCall(SplineMatFinish(s->surface));
-  PetscCall(PetscFree3(share, solid, enough));
+  PetscCall(PetscFree4(share, solid, enough, piece));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
