@@ -315,7 +315,6 @@ static const char *CutSurfaceFault(const Scene *scene)
   if (!SceneMoves(scene)) return "moving particles only";
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
   if (SceneFluids(scene) > 1) return "one fluid";
-  if (scene->n_scalars) return "no scalars";
   return NULL;
 }
 

@@ -33,7 +33,8 @@ static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
 {
   const Particles   *p        = flow->particles;
   const FreeSurface *free     = flow->ops->free;
-  const PetscInt     first    = fluid || free ? 0 : p->n_fluid;
+  const PetscBool    cut      = flow->ops->cut_surface; /* its facets may be near any particle */
+  const PetscInt     first    = fluid || free || cut ? 0 : p->n_fluid;
   PetscReal          bound[2] = {-s->kept[KEPT_LOW], s->kept[KEPT_HIGH]};
 
   PetscFunctionBegin;
@@ -44,7 +45,8 @@ static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
     PetscReal             x[ISPH_MAX_DIM] = {0.0};
 
     if (wall) law = s->law[(PetscInt)p->side[i]];
-    else if (!fluid && FreeSurfaceHolds(free, i)) law = s->law[SceneBoundaries(flow->scene)];
+    else if (!fluid && (cut || FreeSurfaceHolds(free, i)))
+      law = s->law[SceneBoundaries(flow->scene)];
     if (!fluid && (!law || law->law == SCALAR_FLUX)) continue;
     if (wall) ParticlesWallPoint(p, i, x);
     for (PetscInt a = 0; a < p->dim && !wall; a++) x[a] = p->x[a][i];

@@ -72,15 +72,16 @@ static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
 static PetscErrorCode FindCells(Flow *flow, Scalar *s)
 {
   const Particles     *p        = flow->particles;
-  const StrainQuantity quantity = {.sets = 1, .gives = s->gives, .free = flow->ops->free};
-  PetscReal            edge     = CELL_EDGE;
+  const StrainQuantity quantity = {
+      .sets = 1, .gives = s->gives, .free = flow->ops->free, .cut = flow->ops->cut_surface};
+  PetscReal edge = CELL_EDGE;
 
   PetscFunctionBegin;
   PetscCall(NeighborsSearch(p, flow->neighbors)); /* fixed particles keep no lists of neighbours */
-  if (SceneMoves(flow->scene)) edge = quantity.free ? EDGE_FREE : EDGE;
+  if (SceneMoves(flow->scene)) edge = quantity.free || quantity.cut ? EDGE_FREE : EDGE;
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, edge, flow->ops->forms.degree,
                            &quantity, &s->cells));
-  if (!SceneMoves(flow->scene) && !flow->ops->free)
+  if (!SceneMoves(flow->scene) && !SceneHasFreeSurface(flow->scene))
     PetscCall(NeighborsRelease(flow->neighbors)); /* as FlowAssemble() */
   PetscCall(MatDestroy(&s->A));
   if (!s->shell) PetscCall(MatDestroy(&s->J));
