@@ -14,6 +14,7 @@
 #include "isph/surface.h"
 
 #define CELL_EDGE     0.5 /* of a cell [dx] */
+#define CELL_IN_SPACE 0.8 /* the same in fluids with a free surface in 3D: a quarter of the cells */
 #define STRAIN_TENSOR (ISPH_MAX_DIM * ISPH_MAX_DIM)
 
 /* Rows of sums over particles by local index: sum_k w[k] u_j[k], k in [start[r], start[r + 1]). */
@@ -55,9 +56,11 @@ typedef struct {
 
 /* Facets of the free surface. */
 typedef struct {
-  PetscInt   n, room, *row; /* number of the point of the first corner; others follow */
-  PetscReal *x;             /* their dim corners, dim numbers each [m] */
-  StrainRows rows;          /* of the velocity at points: `sets` of each */
+  PetscInt   n, room;
+  PetscReal *x;                /* their dim corners, dim numbers each [m] */
+  PetscInt  *corner;           /* their numbers, dim of each; facets side by side share them */
+  PetscInt   first, n_corners; /* point of corner 0; all corners */
+  StrainRows rows;             /* of the velocity at points: `sets` of each */
 } StrainSurface;
 
 typedef struct StrainCells StrainCells;
@@ -77,9 +80,11 @@ struct StrainCells {
   StrainBorder  border; /* of a scalar */
   StrainSurface surface;
   PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
-  PetscReal *strain;             /* E of cell c for the last velocity: dim^2 values each [1/s] */
-  PetscReal *rate;               /* sqrt(2 E:E) [1/s] */
-  StrainList list[2];            /* fluid, walls */
+  PetscReal
+      *weight[ISPH_MAX_DIM]; /* of own fluid: int N_i along an axis [m^dim]; NULL: not known */
+  PetscReal *strain;         /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal *rate;           /* sqrt(2 E:E) [1/s] */
+  StrainList list[2];        /* fluid, walls */
   /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
@@ -91,6 +96,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, co
 PetscErrorCode StrainPatterns(const Particles *particles, StrainCells *cells, Pattern columns[2]);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);
+PetscErrorCode StrainProducts(const Scene *scene, const Particles *particles, PetscBool walls,
+                              const StrainCells *cells, Mat *A);
 PetscErrorCode StrainScale(const Scene *scene, const Particles *particles, const StrainCells *cells,
                            Mat A, Mat B);
 PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const Vec walls[],
@@ -102,7 +109,7 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, 
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 PetscErrorCode StrainTension(const Particles *particles, const StrainCells *cells,
                              PetscReal force[], PetscReal *area);
-PetscErrorCode StrainTensionSlopes(const Particles *particles, const StrainCells *cells, Mat *Q);
+PetscErrorCode StrainTensionMatrix(const Particles *particles, const StrainCells *cells, Mat *K);
 PetscErrorCode StrainForces(const Scene *scene, const Particles *particles, const Vec u[],
                             PetscReal dt, StrainCells *cells, PetscReal force[]);
 PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,

@@ -1,5 +1,6 @@
 /* The body force on the fluid. */
 #include "isph/flow.h"
+#include "isph/strain.h"
 
 /* Stores the largest body force, for the limit of the step and the speed bound. */
 static void NoteForce(Scheme *scheme, PetscReal square)
@@ -8,10 +9,20 @@ static void NoteForce(Scheme *scheme, PetscReal square)
   scheme->bound.force_step = PetscMax(scheme->bound.force_step, scheme->stats.force_max);
 }
 
+/* Returns the share of its mass on which a force along axis a acts at own particle i. With a free
+   surface of strain cells it is that of the fluid that moves with it, int N_i/V_i, on which the
+   pressure acts: fluid at rest stays at rest. Beside a wall the rest is held by the wall. */
+static PetscReal ShareOf(const Flow *flow, PetscInt i, PetscInt a)
+{
+  const StrainCells *cells = flow->ops->cut_surface ? flow->ops->strain : NULL;
+
+  return cells ? cells->weight[a][i] / flow->particles->volume[i] : 1.0;
+}
+
 /*
   AddBodyForce - Adds the body force f(x, t) on the own fluid and stores its largest value
 
-  Collective. A uniform force needs no loop over particles.
+  Collective. A uniform force on all of the fluid needs no loop over particles.
 
   Input Parameters:
 + t     - time [s]
@@ -31,7 +42,7 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
   for (PetscInt a = 0; force && flow->state->interface[a] && a < scene->dim; a++)
     PetscCall(VecAXPY(force[a], 1.0, flow->state->interface[a]));
   if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!scene->force.n) {
+  if (!scene->force.n && !flow->ops->cut_surface) {
     PetscReal f[ISPH_MAX_DIM];
 
     SceneBodyForce(scene, t, scene->lo, f);
@@ -49,7 +60,7 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     SceneBodyForce(scene, t, x, f);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (force) g[a][i] += f[a];
+      if (force) g[a][i] += f[a] * ShareOf(flow, i, a);
       square += PetscSqr(f[a]);
     }
     most = PetscMax(most, square);

@@ -6,6 +6,24 @@
 #include "isph/forces.h"
 #include "isph/strain.h"
 
+/* Adds the body force on the fluid that walls hold: the weights of their rows. */
+static void AddWeight(const Flow *flow, PetscReal force[])
+{
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+
+  if (!SceneHas(flow->scene, PHYSICS_BODY_FORCE)) return;
+  for (PetscInt j = p->n_fluid; j < ParticlesAll(p); j++) {
+    PetscReal x[ISPH_MAX_DIM], f[ISPH_MAX_DIM];
+
+    if (!ParticlesIsWall(p, j)) continue;
+    ParticlesWallPoint(p, j, x);
+    SceneBodyForce(flow->scene, flow->clock->t, x, f);
+    for (PetscInt a = 0; a < p->dim; a++)
+      force[p->dim * j + a] += flow->scene->rho * f[a] * cells->weight[a][j];
+  }
+}
+
 /* CellForces - Computes the forces of own strain cells on particles; collective. Output: force -
    component a on particle j at [j dim + a], by local index, to be freed by PetscFree() [N]. */
 PetscErrorCode CellForces(const Flow *flow, PetscReal **force)
@@ -16,6 +34,7 @@ PetscErrorCode CellForces(const Flow *flow, PetscReal **force)
   PetscCall(PetscCalloc1(p->dim * ParticlesAll(p), force));
   PetscCall(
       StrainForces(flow->scene, p, flow->state->u, flow->clock->dt, flow->ops->strain, *force));
+  if (flow->ops->cut_surface) AddWeight(flow, *force);
   if (flow->ops->cut_surface && flow->clock->step > 0)
     PetscCall(flow->scheme->PressOnWalls(flow, *force + p->dim * p->n_fluid));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -391,12 +391,19 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
 {
   const StrainQuantity velocity = {.sets = ops->n_velocity, .cut = ops->cut_surface};
   AffineOperator      *visc     = &ops->velocity[0].visc;
+  const PetscBool      products = ops->cut_surface && p->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
   PetscCall(MatDestroy(&visc->B));
-  PetscCall(StrainAssemble(scene, p, nb, CELL_EDGE, ops->forms.degree, &velocity, &ops->strain));
+  PetscCall(StrainAssemble(scene, p, nb, products ? CELL_IN_SPACE : CELL_EDGE, ops->forms.degree,
+                           &velocity, &ops->strain));
   StrainViscosities(scene, p, ops->strain);
+  if (products) {
+    PetscCall(StrainProducts(scene, p, PETSC_FALSE, ops->strain, &visc->A));
+    if (ops->forms.wall) PetscCall(StrainProducts(scene, p, PETSC_TRUE, ops->strain, &visc->B));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(StrainMatrices(scene, p, ops->forms.wall ? PETSC_TRUE : PETSC_FALSE, ops->strain,
                            &visc->A, &visc->B));
   PetscFunctionReturn(PETSC_SUCCESS);

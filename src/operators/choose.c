@@ -312,6 +312,7 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 /* Returns what a free surface of strain cells lacks in a scene; NULL: nothing. */
 static const char *CutSurfaceFault(const Scene *scene)
 {
+  if (scene->dim == 3 && SceneViscosityVaries(scene)) return "no varying viscosity in 3D";
   if (!SceneMoves(scene)) return "moving particles only";
   if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
   if (SceneFluids(scene) > 1) return "one fluid";

@@ -33,7 +33,7 @@ static const OptionRow options[] = {
         .brief    = "tolerance of the true residual, relative to the right-hand side",
         .unit     = "-",
         .standard = "visc " REGIME "; ppe 1e-5, in patch tests 1e-10; coupled 1e-7, "
-                    "1e-10 with a free surface of strain cells",
+                    "1e-10 with a free surface of strain cells, in 3D 1e-8",
     },
     {
         LINEAR("ksp_max_it"),

@@ -118,16 +118,6 @@ static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the product of two matrices. PETSc's product keeps its factors; nothing needs them, and
-   they are larger than the product. */
-static PetscErrorCode Multiply(Mat left, Mat right, Mat *product)
-{
-  PetscFunctionBegin;
-  PetscCall(MatMatMult(left, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, product));
-  PetscCall(MatProductClear(*product));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Computes the matrix of the integrals of the velocity, sum_a T_a^T J_a with the integrals T_a along
   axis a and the fits J_a of component a: interlaced components over fluid -> splines; each J_a is
@@ -144,12 +134,12 @@ static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, M
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(FitMat(s, p, a, &J));
     fit = J;
-    if (G) PetscCall(Multiply(J, G, &fit));
+    if (G) PetscCall(SplineProductMat(J, G, &fit));
     if (G) PetscCall(MatDestroy(&J));
     PetscCall(SplineGradientMat(p, s, a, &T));
     PetscCall(MatTranspose(T, MAT_INITIAL_MATRIX, &transposed));
     PetscCall(MatDestroy(&T));
-    PetscCall(Multiply(transposed, fit, a ? &part : D));
+    PetscCall(SplineProductMat(transposed, fit, a ? &part : D));
     PetscCall(MatDestroy(&transposed));
     PetscCall(MatDestroy(&fit));
     if (!a) continue;
@@ -185,13 +175,6 @@ PetscErrorCode SplinesBlocks(const Particles *p, const Splines *s, Mat *G, Mat *
 
 /* ---- beside interfaces: divergences of strain cells ---- */
 
-/* Returns true if this rank has cell c, whose splines it sums. */
-static PetscBool HasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[])
-{
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-  return ParticlesHolds(p, x);
-}
-
 /* Assembles the splines at the n own cells, cells -> splines; cells of fluids other than `fluid`
    (-1: none) have an empty row. */
 static PetscErrorCode CellSplinesMat(const Particles *p, const Splines *s, const StrainCells *cells,
@@ -203,14 +186,14 @@ static PetscErrorCode CellSplinesMat(const Particles *p, const Splines *s, const
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n, &width));
   for (PetscInt c = 0; c < cells->n; c++)
-    if (HasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
+    if (SplineHasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
   PetscCall(SplineMat(p->comm, n, s->own.size, width, P));
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*P, &row, NULL));
   for (PetscInt c = 0; c < cells->n; c++) {
     SplineRow at;
 
-    if (!HasCell(p, cells, c, x)) continue;
+    if (!SplineHasCell(p, cells, c, x)) continue;
     if (fluid < 0 || cells->fluid[c] == fluid) {
       SplineRowAt(s, &s->lattice, p, x, &at);
       PetscCall(MatSetValues(*P, 1, &row, at.n, at.number, at.value, ADD_VALUES));
@@ -235,7 +218,7 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n, &width));
   for (PetscInt c = 0; c < cells->n; c++) {
-    if (!HasCell(p, cells, c, x)) continue;
+    if (!SplineHasCell(p, cells, c, x)) continue;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = cells->sets == 1 ? 0 : a;
 
@@ -247,7 +230,7 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*T, &row, NULL));
   for (PetscInt c = 0; c < cells->n; c++) {
-    if (!HasCell(p, cells, c, x)) continue;
+    if (!SplineHasCell(p, cells, c, x)) continue;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = cells->sets == 1 ? 0 : a;
 
@@ -265,85 +248,6 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the transpose of P by T. */
-static PetscErrorCode Gathered(Mat P, Mat T, Mat *D)
-{
-  Mat transposed;
-
-  PetscFunctionBegin;
-  PetscCall(MatTranspose(P, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(Multiply(transposed, T, D));
-  PetscCall(MatDestroy(&transposed));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates the vector of the volumes of own cells. */
-static PetscErrorCode CellVolumes(const Particles *p, const StrainCells *cells, Mat all,
-                                  Vec *volume)
-{
-  PetscInt     row = 0;
-  PetscScalar *m;
-  PetscReal    x[ISPH_MAX_DIM];
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateVecs(all, NULL, volume));
-  PetscCall(VecGetArrayWrite(*volume, &m));
-  for (PetscInt c = 0; c < cells->n; c++)
-    if (HasCell(p, cells, c, x)) m[row++] = cells->volume[c];
-  PetscCall(VecRestoreArrayWrite(*volume, &m));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. */
-static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Splines *s)
-{
-  Mat extended, weighted;
-
-  PetscFunctionBegin;
-  PetscCall(MatDestroy(&s->M));
-  PetscCall(Multiply(all, s->surface, &extended));
-  PetscCall(MatDuplicate(extended, MAT_COPY_VALUES, &weighted));
-  PetscCall(MatDiagonalScale(weighted, volume, NULL));
-  PetscCall(MatScale(weighted, PetscPowReal(s->scale, -(PetscReal)p->dim)));
-  PetscCall(Gathered(extended, weighted, &s->M));
-  PetscCall(SplineSurfaceRows(s, s->M));
-  PetscCall(MatDestroy(&extended));
-  PetscCall(MatDestroy(&weighted));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Replaces the rows of splines at the free surface by E^T D. */
-static PetscErrorCode ExtendRows(const Particles *p, const StrainCells *cells, Mat all, Splines *s)
-{
-  Vec volume;
-  Mat D;
-
-  PetscFunctionBegin;
-  PetscCall(CellVolumes(p, cells, all, &volume));
-  PetscCall(SplineSurfaceExtend(p, cells, s));
-  if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
-  PetscCall(VecDestroy(&volume));
-  for (PetscInt k = 1; k < 3; k++) {
-    if (!s->cut[k]) continue;
-    PetscCall(Gathered(s->surface, s->cut[k], &D));
-    PetscCall(MatDestroy(&s->cut[k]));
-    s->cut[k] = D;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the stiffness to that of the fluid below the free surface, -scale^2 D G. */
-static PetscErrorCode ExtendStiffness(Splines *s)
-{
-  PetscFunctionBegin;
-  PetscCall(MatDestroy(&s->K));
-  PetscCall(Multiply(s->cut[1], s->cut[0], &s->K));
-  PetscCall(MatScale(s->K, -PetscSqr(s->scale)));
-  PetscCall(SplineSurfaceRows(s, s->K));
-  s->products++;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets gamma to the penalty of the divergence in the part of each spline that a fluid has, over its
    volume: 0 unless the spline has two fluids. */
 static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, Mat all, Mat part,
@@ -354,7 +258,7 @@ static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, 
   Vec          volume, whole;
 
   PetscFunctionBegin;
-  PetscCall(CellVolumes(p, cells, all, &volume));
+  PetscCall(SplineCellVolumes(p, cells, all, &volume));
   PetscCall(MatCreateVecs(all, &whole, NULL));
   PetscCall(MatMultTranspose(all, volume, whole));
   PetscCall(MatMultTranspose(part, volume, gamma));
@@ -401,14 +305,14 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
     PetscCall(CellSplinesMat(p, s, cells, n, f, &part));
     PetscCall(MatCreateVecs(part, &gamma, NULL));
     PetscCall(JumpPenalty(p, cells, all, part, nu, gamma));
-    PetscCall(Gathered(part, T[0], &D[0]));
-    if (T[1]) PetscCall(Gathered(part, T[1], &D[1]));
+    PetscCall(SplineGathered(part, T[0], &D[0]));
+    if (T[1]) PetscCall(SplineGathered(part, T[1], &D[1]));
     PetscCall(MatTranspose(D[0], MAT_INITIAL_MATRIX, &back));
     PetscCall(VelocityRowsDivide(p, mass, -cell * cell / scene->nu, back));
     for (PetscInt w = 0; w < 2; w++) {
       if (!D[w]) continue;
       PetscCall(MatDiagonalScale(D[w], gamma, NULL));
-      PetscCall(Multiply(back, D[w], &added));
+      PetscCall(SplineProductMat(back, D[w], &added));
       PetscCall(SparseAdd(added, w ? &visc->B : &visc->A));
       PetscCall(MatDestroy(&added));
       PetscCall(MatScale(D[w], cell));
@@ -468,20 +372,20 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
                              &cells));
   }
   for (PetscInt a = 0; a < p->dim; a++) mass[a] = ops->strain->mass[ops->strain->sets == 1 ? 0 : a];
-  for (PetscInt c = 0; c < cells->n; c++) n += HasCell(p, cells, c, x) ? 1 : 0;
+  for (PetscInt c = 0; c < cells->n; c++) n += SplineHasCell(p, cells, c, x) ? 1 : 0;
   PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
   PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
-  PetscCall(Gathered(all, T[0], &s->cut[1]));
+  PetscCall(SplineGathered(all, T[0], &s->cut[1]));
   if (flow->ops->forms.wall) {
     PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
-    PetscCall(Gathered(all, T[1], &s->cut[2]));
+    PetscCall(SplineGathered(all, T[1], &s->cut[2]));
   }
-  if (ops->cut_surface) PetscCall(ExtendRows(p, cells, all, s));
+  if (ops->cut_surface) PetscCall(SplineSurfaceRows(flow, n, all, s));
   if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow));
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(VelocityRowsDivide(p, mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
-  if (ops->cut_surface && s->has_products) PetscCall(ExtendStiffness(s));
+  if (ops->cut_surface && s->has_products) PetscCall(SplineSurfaceStiffness(s));
   PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
   PetscCall(MatDestroy(&all));
   PetscCall(MatDestroy(&T[0]));
@@ -519,7 +423,7 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   if (s->cut[0]) {
-    PetscCall(Multiply(s->cut[1], s->cut[0], &s->A));
+    PetscCall(SplineProductMat(s->cut[1], s->cut[0], &s->A));
     PetscCall(MatScale(s->A, -PetscSqr(s->scale)));
   } else {
     PetscCall(GradientMat(s, p, &G));

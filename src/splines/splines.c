@@ -187,6 +187,8 @@ PetscErrorCode SplinesCutFree(Splines *s)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
   PetscCall(MatDestroy(&s->surface));
+  PetscCall(MatDestroy(&s->values));
+  PetscCall(MatDestroy(&s->slopes));
   PetscCall(PetscFree(s->slave));
   PetscCall(VecDestroy(&s->cut_gradient));
   for (PetscInt f = 0; f < s->n_jumps; f++) {

@@ -14,6 +14,7 @@
 
 #include "isph/flow.h"
 #include "isph/strain.h"
+#include "isph/strain.h"
 
 /* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
    splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
@@ -251,6 +252,8 @@ struct Splines {
   PetscInt   products;     /* stamp of K and M */
   Vec        mass;   /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
   Mat        cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
+  Mat        values; /* P E: splines -> own fluid; NULL: not needed */
+  Mat        slopes; /* stiffness of velocities on splines; NULL: not needed [1/m^2] */
   Mat        surface;      /* E of splinesurface.c; NULL: no free surface */
   PetscBool *slave;        /* own splines that are no unknowns there */
   Vec        cut_gradient; /* work: at particles */
@@ -396,6 +399,11 @@ PetscErrorCode SplinesFree(Splines *s);
 /* splinematrix.c */
 PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
 PetscErrorCode SplinesMatrix(const Particles *particles, Splines *s);
+PetscErrorCode SplineProductMat(Mat left, Mat right, Mat *product);
+PetscErrorCode SplineGathered(Mat P, Mat T, Mat *D);
+PetscBool SplineHasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[]);
+PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, Mat all,
+                                 Vec *volume);
 PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
@@ -405,7 +413,8 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 /* splinesurface.c */
 PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells *cells,
                                    Splines *s);
-PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A);
+PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, Mat all, Splines *s);
+PetscErrorCode SplineSurfaceStiffness(Splines *s);
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
 PetscErrorCode SplineSurfaceTension(Flow *flow);
 

@@ -314,3 +314,51 @@ PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p)
   s->products++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- sums over strain cells ---- */
+
+/* SplineProductMat - Computes the product of two matrices, without the factors that PETSc's product
+   keeps: they are larger, and nothing needs them; collective */
+PetscErrorCode SplineProductMat(Mat left, Mat right, Mat *product)
+{
+  PetscFunctionBegin;
+  PetscCall(MatMatMult(left, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, product));
+  PetscCall(MatProductClear(*product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineGathered - Multiplies the transpose of P by T; collective */
+PetscErrorCode SplineGathered(Mat P, Mat T, Mat *D)
+{
+  Mat transposed;
+
+  PetscFunctionBegin;
+  PetscCall(MatTranspose(P, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(SplineProductMat(transposed, T, D));
+  PetscCall(MatDestroy(&transposed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineHasCell - Returns true if this rank has cell c, whose splines it sums; not collective.
+   Output: x - the centre of the cell [m]. */
+PetscBool SplineHasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+  return ParticlesHolds(p, x);
+}
+
+/* SplineCellVolumes - Creates the vector of the volumes of own cells; collective */
+PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, Mat all, Vec *volume)
+{
+  PetscInt     row = 0;
+  PetscScalar *m;
+  PetscReal    x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(all, NULL, volume));
+  PetscCall(VecGetArrayWrite(*volume, &m));
+  for (PetscInt c = 0; c < cells->n; c++)
+    if (SplineHasCell(p, cells, c, x)) m[row++] = cells->volume[c];
+  PetscCall(VecRestoreArrayWrite(*volume, &m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -178,9 +178,8 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineSurfaceRows - Adds the equation q = 0 of splines that are no unknowns to a matrix;
-   collective */
-PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A)
+/* Adds the equation q = 0 of splines that are no unknowns to a matrix. */
+static PetscErrorCode UnusedRows(const Splines *s, Mat A)
 {
   Vec diagonal;
 
@@ -197,6 +196,145 @@ PetscErrorCode SplineSurfaceRows(const Splines *s, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. */
+static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Splines *s)
+{
+  Mat extended, weighted;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->M));
+  PetscCall(SplineProductMat(all, s->surface, &extended));
+  PetscCall(MatDuplicate(extended, MAT_COPY_VALUES, &weighted));
+  PetscCall(MatDiagonalScale(weighted, volume, NULL));
+  PetscCall(MatScale(weighted, PetscPowReal(s->scale, -(PetscReal)p->dim)));
+  PetscCall(SplineGathered(extended, weighted, &s->M));
+  PetscCall(UnusedRows(s, s->M));
+  PetscCall(MatDestroy(&extended));
+  PetscCall(MatDestroy(&weighted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles the derivatives of extended splines along an axis in own cells, so that they vanish on
+   walls: the gradient in cell c of a velocity with the values psi_q(x_i) at fluid, and 0 at walls,
+   is about grad psi_q(x_c) + psi_q(x_c) sum_i g_ci. */
+static PetscErrorCode CellSlopesMat(const Particles *p, const Splines *s, const StrainCells *cells,
+                                    PetscInt n, PetscInt a, Mat *B)
+{
+  PetscInt  row, *width;
+  PetscReal x[ISPH_MAX_DIM];
+  Mat       slopes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &width));
+  for (PetscInt k = 0; k < n; k++) width[k] = SplinesAtPoint(&s->lattice);
+  PetscCall(SplineMat(p->comm, n, s->own.size, width, &slopes));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(slopes, &row, NULL));
+  for (PetscInt c = 0; c < cells->n; c++) {
+    SplineRow at;
+    PetscReal wall = 0.0;
+
+    if (!SplineHasCell(p, cells, c, x)) continue;
+    SplineRowAt(s, &s->lattice, p, x, &at);
+    for (PetscInt e = cells->first[0][c]; e < cells->first[0][c + 1]; e++)
+      if (!ParticlesIsWall(p, cells->j[0][e])) wall += cells->g[0][a][e];
+    for (PetscInt q = 0; q < at.n; q++) at.gradient[a][q] += wall * at.value[q];
+    PetscCall(MatSetValues(slopes, 1, &row, at.n, at.number, at.gradient[a], ADD_VALUES));
+    row++;
+  }
+  PetscCall(SplineMatFinish(slopes));
+  PetscCall(SplineProductMat(slopes, s->surface, B));
+  PetscCall(MatDestroy(&slopes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the values of extended splines at own fluid, and the stiffness of velocities on them,
+   sum_c V_c nu_c/nu_0 grad psi . grad psi over the volume of a cell [1/m^2]. */
+static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p,
+                                          const StrainCells *cells, PetscInt n, Vec volume,
+                                          Splines *s)
+{
+  PetscScalar *weight;
+  PetscInt     row = 0, *width;
+  PetscReal    x[ISPH_MAX_DIM];
+  Mat          values, B, weighted, part;
+  Vec          factor;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid, &width));
+  for (PetscInt i = 0; i < p->n_fluid; i++) width[i] = SplinesAtPoint(&s->lattice);
+  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, width, &values));
+  PetscCall(PetscFree(width));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    SplineRow at;
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    SplineRowAt(s, &s->lattice, p, x, &at);
+    PetscCall(MatSetValues(values, 1, &p->row[i], at.n, at.number, at.value, ADD_VALUES));
+  }
+  PetscCall(SplineMatFinish(values));
+  PetscCall(SplineProductMat(values, s->surface, &s->values));
+  PetscCall(MatDestroy(&values));
+  PetscCall(VecDuplicate(volume, &factor));
+  PetscCall(VecCopy(volume, factor));
+  PetscCall(VecGetArray(factor, &weight));
+  for (PetscInt c = 0; c < cells->n; c++)
+    if (SplineHasCell(p, cells, c, x)) weight[row++] *= cells->nu[c] / scene->nu;
+  PetscCall(VecRestoreArray(factor, &weight));
+  PetscCall(VecScale(factor, PetscPowReal(s->scale, -(PetscReal)p->dim)));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(CellSlopesMat(p, s, cells, n, a, &B));
+    PetscCall(MatDuplicate(B, MAT_COPY_VALUES, &weighted));
+    PetscCall(MatDiagonalScale(weighted, factor, NULL));
+    PetscCall(SplineGathered(B, weighted, a ? &part : &s->slopes));
+    PetscCall(MatDestroy(&weighted));
+    PetscCall(MatDestroy(&B));
+    if (!a) continue;
+    PetscCall(MatAXPY(s->slopes, 1.0, part, SAME_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&part));
+  }
+  PetscCall(VecDestroy(&factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineSurfaceStiffness - Sets the stiffness to that of the fluid below the free surface,
+   -scale^2 D G; collective */
+PetscErrorCode SplineSurfaceStiffness(Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->K));
+  PetscCall(SplineProductMat(s->cut[1], s->cut[0], &s->K));
+  PetscCall(MatScale(s->K, -PetscSqr(s->scale)));
+  PetscCall(UnusedRows(s, s->K));
+  s->products++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineSurfaceRows - Replaces the rows of splines at the free surface by E^T D, and computes what
+   preconditioners need; collective. Input: n - own cells; all - values of splines in them. */
+PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, Mat all, Splines *s)
+{
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+  Vec                volume;
+  Mat                D;
+
+  PetscFunctionBegin;
+  PetscCall(SplineCellVolumes(p, cells, all, &volume));
+  PetscCall(SplineSurfaceExtend(p, cells, s));
+  if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
+  if (s->has_products && p->dim == 3)
+    PetscCall(VelocitiesOnSplines(flow->scene, p, cells, n, volume, s));
+  PetscCall(VecDestroy(&volume));
+  for (PetscInt k = 1; k < 3; k++) {
+    if (!s->cut[k]) continue;
+    PetscCall(SplineGathered(s->surface, s->cut[k], &D));
+    PetscCall(MatDestroy(&s->cut[k]));
+    s->cut[k] = D;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplineSurfaceFill - Sets the coefficients of splines that are no unknowns; collective */
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
 {
@@ -208,6 +346,24 @@ PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
   PetscCall(MatMult(s->surface, p, all));
   PetscCall(VecCopy(all, p));
   PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds a matrix to one that may have products only. */
+static PetscErrorCode AddMatrix(Mat X, Mat *Y)
+{
+  PetscBool products;
+  Mat       sum;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)*Y, MATSHELL, &products));
+  if (!products) {
+    PetscCall(SparseAdd(X, Y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatCreateComposite(PetscObjectComm((PetscObject)X), 2, (Mat[]){*Y, X}, &sum));
+  PetscCall(MatDestroy(Y));
+  *Y = sum;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -226,7 +382,7 @@ PetscErrorCode SplineSurfaceTension(Flow *flow)
   PetscReal *const   mass[] = {p->volume, p->volume, p->volume};
   PetscReal         *force, area;
   PetscScalar       *to;
-  Mat                Q, back, K;
+  Mat                K;
 
   PetscFunctionBegin;
   if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
@@ -243,15 +399,10 @@ PetscErrorCode SplineSurfaceTension(Flow *flow)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, p->comm));
   flow->state->tension_energy =
       2.0 * scene->tension * area / (scene->rho * p->weight * p->cell_volume);
-  PetscCall(StrainTensionSlopes(p, cells, &Q));
-  PetscCall(MatTranspose(Q, MAT_INITIAL_MATRIX, &back));
-  PetscCall(MatMatMult(back, Q, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &K));
-  PetscCall(MatProductClear(K));
+  PetscCall(StrainTensionMatrix(p, cells, &K));
   PetscCall(
       VelocityRowsDivide(p, mass, -flow->clock->dt * scene->tension / (scene->rho * scene->nu), K));
-  PetscCall(SparseAdd(K, &visc->A));
+  PetscCall(AddMatrix(K, &visc->A));
   PetscCall(MatDestroy(&K));
-  PetscCall(MatDestroy(&back));
-  PetscCall(MatDestroy(&Q));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -67,8 +67,10 @@ typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
 PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
                                    const PetscReal x[], PetscInt list[], PetscReal *C);
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);
-PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt row,
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM],
                               StrainSurface *surface);
+PetscErrorCode StrainCorners(const StrainLattice *lattice, StrainSurface *surface,
+                             StrainPoints *points);
 
 /* StrainIndexAlong - Returns the index along an axis of the cell of the block at x [m], the nearest
    outside; not collective */

@@ -20,7 +20,7 @@ PetscReal StrainReach(const Scene *scene)
 {
   const PetscReal foot = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
 
-  return (2.0 * FIT_REACH + 2.0 * CELL_EDGE + foot) * SceneCoarsest(scene);
+  return (2.0 * FIT_REACH + 2.0 * CELL_IN_SPACE + foot) * SceneCoarsest(scene);
 }
 
 /* Corners of the block of cells. */
@@ -461,6 +461,24 @@ static PetscReal ValueAt(const StrainLattice *l, const Cell *cell, const PetscRe
   return sum;
 }
 
+/* The part of the free surface in a cell, which has one row of the velocity. */
+typedef struct {
+  PetscReal area, normal[ISPH_MAX_DIM], place[ISPH_MAX_DIM]; /* place: sum over area, then mean */
+} FreePart;
+
+static void AddArea(PetscInt dim, const PetscReal normal[], const PetscReal x[], FreePart *f)
+{
+  PetscReal area = 0.0;
+
+  for (PetscInt a = 0; a < dim; a++) area += PetscSqr(normal[a]);
+  area = PetscSqrtReal(area);
+  f->area += area;
+  for (PetscInt a = 0; a < dim; a++) {
+    f->normal[a] += normal[a];
+    f->place[a] += area * x[a];
+  }
+}
+
 /* Adds the facets of a part of a cell. */
 static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corners *corners,
                               PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
@@ -470,6 +488,7 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
   const StrainLattice *l     = &s->lattice;
   const PetscInt       other = StiffestOf(scene, n_fluids, fluids, fluid);
   const PetscInt       stiff = other >= 0 && StrainIsStiffer(scene, other, fluid) ? other : fluid;
+  FreePart             free  = {.area = 0.0};
   PetscInt             point = 0;
 
   PetscFunctionBegin;
@@ -490,16 +509,22 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
       near = ValueAt(l, cell, l->distance, part->place[k]) <
              ValueAt(l, cell, corners->depth, part->place[k]);
     wall = other < 0 || near;
+    if (quantity->cut && !quantity->gives && !near) {
+      AddArea(l->dim, part->normal[k], part->place[k], &free);
+      PetscCall(StrainFacetAdd(l->dim, part->corner[k], &s->surface));
+      continue;
+    }
     if (corners->depth && !near) body = quantity->gives ? SceneBoundaries(scene) : -1;
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
                              &sides->points));
     PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
-    if (!quantity->cut || quantity->gives || near) continue;
-    PetscCall(StrainFacetAdd(l->dim, part->corner[k], sides->points.n, &s->surface));
-    for (PetscInt v = 0; v < l->dim; v++)
-      PetscCall(StrainPointAdd(l->dim, part->corner[k][v], fluid, -1, &sides->points));
   }
+  if (free.area <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < l->dim; a++) free.place[a] /= free.area;
+  point = sides->points.n;
+  PetscCall(StrainPointAdd(l->dim, free.place, fluid, -1, &sides->points));
+  PetscCall(AddFacet(l->dim, point, free.normal, part->volume, facets));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -668,6 +693,32 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds a cell to the weights of own fluid, and if it is an own cell to those of walls: the integral
+   of a row N_i along axis a by the facets f of the cells c, sum n_a A N_i(x_f) (x_f - x_c)_a. The
+   gradient of a linear pressure then balances a uniform force to rounding. */
+static void AddWeights(const Particles *p, const StrainPoints *points, const StrainRows *rows,
+                       const Facets *facets, PetscInt c, StrainCells *s)
+{
+  PetscReal x[ISPH_MAX_DIM];
+  PetscBool own;
+
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = s->centre[a][c];
+  own = ParticlesHolds(p, x);
+  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+    const Facet *facet = &facets->facet[k];
+
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscInt  row    = facet->point * s->sets + (s->sets == 1 ? 0 : a);
+      const PetscReal length = points->x[a][facet->point] - s->centre[a][c];
+      const PetscReal part   = s->volume[c] * facet->normal[a] * length;
+
+      for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++)
+        if (rows->j[e] < p->n_fluid || (own && ParticlesIsWall(p, rows->j[e])))
+          s->weight[a][rows->j[e]] += part * rows->w[e];
+    }
+  }
+}
+
 /* Joins the facets of all cells. */
 static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const Facets *facets,
                               StrainCells *s)
@@ -745,6 +796,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
   PetscCall(FindCells(scene, quantity, &corners, s, &sides, &facets));
+  PetscCall(StrainCorners(&s->lattice, &s->surface, &sides.points));
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
   PetscCall(JoinAll(p, &rows, &facets, s));
@@ -756,6 +808,12 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     rows            = (StrainRows){.n = 0};
     for (PetscInt q = 0; q < s->sets; q++)
       PetscCall(PetscArraycpy(s->mass[q], p->volume, p->n_fluid));
+    for (PetscInt a = 0; a < p->dim; a++) {
+      PetscCall(PetscFree(s->weight[a]));
+      PetscCall(PetscCalloc1(ParticlesAll(p) + 1, &s->weight[a]));
+    }
+    for (PetscInt c = 0; c < s->n; c++)
+      AddWeights(p, &sides.points, &s->surface.rows, &facets, c, s);
   }
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
@@ -807,7 +865,7 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->border.normal));
   PetscCall(PetscFree(s->border.x));
   PetscCall(StrainRowsFree(&s->border.rows));
-  PetscCall(PetscFree(s->surface.row));
+  PetscCall(PetscFree(s->surface.corner));
   PetscCall(PetscFree(s->surface.x));
   PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(PetscFree(s->strain));
@@ -815,6 +873,7 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
     PetscCall(PetscFree(s->centre[q]));
     PetscCall(PetscFree(s->mass[q]));
+    PetscCall(PetscFree(s->weight[q]));
     PetscCall(PetscFree(s->first[q]));
     PetscCall(PetscFree(s->j[q]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));

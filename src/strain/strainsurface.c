@@ -21,6 +21,7 @@
 
 #define LEVEL_MOST  40   /* steps */
 #define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
+#define SAME_PLACE  1e-6 /* corners so near are the same, over the edge of a cell */
 
 /* Returns the kernel of the concentration, wendland_c2, at the distance X [1/m^dim]. */
 static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
@@ -95,19 +96,65 @@ PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, P
 }
 
 /* StrainFacetAdd - Adds a facet; not collective. Input: x - its dim corners, in the order that
-   turns its normal out of the fluid; row - of the velocity at the first corner, those of the others
-   follow. */
-PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt row,
-                              StrainSurface *s)
+   turns its normal out of the fluid. */
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], StrainSurface *s)
 {
   PetscFunctionBegin;
   if (s->n == s->room) {
     s->room = 2 * s->room + 256;
-    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room, &s->row));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->room * dim), &s->corner));
     PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->room * dim * dim), &s->x));
   }
   for (PetscInt e = 0; e < dim * dim; e++) s->x[s->n * dim * dim + e] = x[e / dim][e % dim];
-  s->row[s->n++] = row;
+  s->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A corner of a facet: its place in units that are small against a cell. */
+typedef struct {
+  PetscInt64 x[ISPH_MAX_DIM];
+  PetscInt   at; /* facet times dim plus the number of the corner */
+} Corner;
+
+static int ComparePlaces(const void *a, const void *b)
+{
+  const Corner *of[] = {(const Corner *)a, (const Corner *)b};
+
+  for (PetscInt c = 0; c < ISPH_MAX_DIM; c++)
+    if (of[0]->x[c] != of[1]->x[c]) return of[0]->x[c] < of[1]->x[c] ? -1 : 1;
+  return of[0]->at < of[1]->at ? -1 : 1;
+}
+
+/* StrainCorners - Numbers the corners of the facets, and adds their points; not collective. Cells
+   side by side compute the places of their corners alike but for rounding; a corner that rounding
+   counts twice has two equal rows. */
+PetscErrorCode StrainCorners(const StrainLattice *l, StrainSurface *s, StrainPoints *points)
+{
+  const PetscInt d = l->dim, n = s->n * d;
+  Corner        *corner;
+
+  PetscFunctionBegin;
+  s->first     = points->n;
+  s->n_corners = 0;
+  PetscCall(PetscCalloc1(n, &corner));
+  for (PetscInt k = 0; k < n; k++) {
+    corner[k].at = k;
+    for (PetscInt a = 0; a < d; a++)
+      corner[k].x[a] = (PetscInt64)PetscFloorReal(s->x[k * d + a] / (SAME_PLACE * l->edge[a]));
+  }
+  qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
+  for (PetscInt k = 0; k < n; k++) {
+    PetscBool same = k > 0 ? PETSC_TRUE : PETSC_FALSE;
+
+    for (PetscInt a = 0; same && a < d; a++)
+      if (corner[k].x[a] != corner[k - 1].x[a]) same = PETSC_FALSE;
+    if (!same) {
+      PetscCall(StrainPointAdd(d, &s->x[corner[k].at * d], 0, -1, points));
+      s->n_corners++;
+    }
+    s->corner[corner[k].at] = s->n_corners - 1;
+  }
+  PetscCall(PetscFree(corner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,7 +233,7 @@ PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, Petsc
     if (!ShapeOf(d, &s->x[f * d * d], &shape)) continue;
     if (IsOwn(p, &s->x[f * d * d])) *area += shape.area;
     for (PetscInt v = 0; v < d; v++) {
-      const PetscInt row = (s->row[f] + v) * cells->sets;
+      const PetscInt row = (s->first + s->corner[f * d + v]) * cells->sets;
 
       for (PetscInt a = 0; a < d; a++) {
         const PetscInt q = cells->sets == 1 ? 0 : a;
@@ -217,7 +264,8 @@ void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscRea
     for (PetscInt pass = 0; pass < 2; pass++) {
       for (PetscInt k = 0; k < d * d; k++) {
         const PetscInt v = k / d, a = k % d;
-        const PetscInt r = (s->row[f] + v) * cells->sets + (cells->sets == 1 ? 0 : a);
+        const PetscInt r =
+            (s->first + s->corner[f * d + v]) * cells->sets + (cells->sets == 1 ? 0 : a);
 
         for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++) {
           const PetscInt  j = s->rows.j[e];
@@ -234,58 +282,88 @@ void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscRea
   }
 }
 
-/*
-  StrainTensionSlopes - Creates the matrix Q with K = Q^T Q: interlaced components over fluid ->
-  gradients of u.n along the facets of this rank's box, times the root of the area
-
-  Collective.
-*/
-PetscErrorCode StrainTensionSlopes(const Particles *p, const StrainCells *cells, Mat *Q)
+/* Creates the matrix N of the velocities at the corners: interlaced components over fluid ->
+   interlaced components at the corners of this rank. */
+static PetscErrorCode CornerVelocities(const Particles *p, const StrainCells *cells, Mat *N)
 {
   const StrainSurface *s = &cells->surface;
-  const PetscInt       d = p->dim;
-  PetscInt             n = 0, row, *own, most = 0;
+  const PetscInt       d = p->dim, n = d * s->n_corners;
+  PetscInt            *width, first;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->n, &own));
-  for (PetscInt f = 0; f < s->n; f++) {
-    PetscInt width = 0;
+  PetscCall(PetscMalloc1(n, &width));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt r = (s->first + k / d) * cells->sets + (cells->sets == 1 ? 0 : k % d);
 
-    own[f] = IsOwn(p, &s->x[f * d * d]) ? n : -1;
-    for (PetscInt r = s->row[f] * cells->sets; r < (s->row[f] + d) * cells->sets; r++)
-      width += (cells->sets == 1 ? d : 1) * (s->rows.start[r + 1] - s->rows.start[r]);
-    if (own[f] < 0) continue;
-    most = PetscMax(most, width);
-    n += d;
+    width[k] = s->rows.start[r + 1] - s->rows.start[r];
   }
-  PetscCall(MatCreateAIJ(p->comm, n, d * p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, most, NULL,
-                         most, NULL, Q));
-  PetscCall(MatSetOption(*Q, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  PetscCall(MatGetOwnershipRange(*Q, &row, NULL));
+  PetscCall(MatCreateAIJ(p->comm, n, d * p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, 0, width, 0,
+                         width, N));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(*N, &first, NULL));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt r = (s->first + k / d) * cells->sets + (cells->sets == 1 ? 0 : k % d);
+
+    for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
+      if (!ParticlesIsWall(p, s->rows.j[e]))
+        PetscCall(
+            MatSetValue(*N, first + k, d * p->row[s->rows.j[e]] + k % d, s->rows.w[e], ADD_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(*N, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*N, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the matrix of the gradients of u.n along the facets of this rank's box, over components
+   at the corners: int (grad_s u.n) (grad_s v.n) dA. */
+static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells, Mat *S)
+{
+  const StrainSurface *s = &cells->surface;
+  const PetscInt       d = p->dim, n = d * s->n_corners;
+  PetscInt             first;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(p->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, d == 2 ? 6 : 30, NULL, 0,
+                         NULL, S));
+  PetscCall(MatSetOption(*S, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(MatGetOwnershipRange(*S, &first, NULL));
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
 
-    if (own[f] < 0 || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
-    for (PetscInt v = 0; v < d; v++) {
-      for (PetscInt a = 0; a < d; a++) {
-        const PetscInt r = (s->row[f] + v) * cells->sets + (cells->sets == 1 ? 0 : a);
+    if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    for (PetscInt v = 0; v < d * d; v++) {
+      const PetscInt  w[] = {v / d, v % d};
+      PetscReal       dot = 0.0;
+      const PetscInt *of  = &s->corner[f * d];
 
-        for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++) {
-          const PetscInt j = s->rows.j[e];
-
-          if (ParticlesIsWall(p, j)) continue;
-          for (PetscInt b = 0; b < d; b++)
-            PetscCall(MatSetValue(*Q, row + own[f] + b, d * p->row[j] + a,
-                                  s->rows.w[e] * PetscSqrtReal(shape.area) * shape.normal[a] *
-                                      shape.slope[v][b],
-                                  ADD_VALUES));
-        }
-      }
+      for (PetscInt a = 0; a < d; a++) dot += shape.slope[w[0]][a] * shape.slope[w[1]][a];
+      for (PetscInt a = 0; a < d; a++)
+        for (PetscInt b = 0; b < d; b++)
+          PetscCall(MatSetValue(*S, first + d * of[w[0]] + a, first + d * of[w[1]] + b,
+                                shape.area * shape.normal[a] * shape.normal[b] * dot, ADD_VALUES));
     }
   }
-  PetscCall(PetscFree(own));
-  PetscCall(MatAssemblyBegin(*Q, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*Q, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyBegin(*S, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*S, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainTensionMatrix - Creates K over interlaced components of fluid, see the top; collective */
+PetscErrorCode StrainTensionMatrix(const Particles *p, const StrainCells *cells, Mat *K)
+{
+  Mat N, S, back, product;
+
+  PetscFunctionBegin;
+  PetscCall(CornerVelocities(p, cells, &N));
+  PetscCall(CornerSlopes(p, cells, &S));
+  PetscCall(MatMatMult(S, N, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+  PetscCall(MatTranspose(N, MAT_INITIAL_MATRIX, &back));
+  PetscCall(MatMatMult(back, product, MAT_INITIAL_MATRIX, PETSC_DEFAULT, K));
+  PetscCall(MatProductClear(*K));
+  PetscCall(MatDestroy(&N));
+  PetscCall(MatDestroy(&S));
+  PetscCall(MatDestroy(&back));
+  PetscCall(MatDestroy(&product));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

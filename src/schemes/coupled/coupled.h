@@ -54,7 +54,9 @@ typedef struct {
   const Saddle *saddle;
   KSP           factors;                      /* Jacobi, or factors of the blocks of ranks */
   KSP           cycle;                        /* of AMG for a component; NULL: none */
+  PetscBool     on_splines;                   /* the cycle is on splines */
   Vec           residual, pressure, from, to; /* work vectors, the last two of a component */
+  Vec           sums, part;                   /* of splines: work */
 } VelocityBlock;
 
 PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *block);

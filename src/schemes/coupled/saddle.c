@@ -163,6 +163,49 @@ static PetscErrorCode CreateTurn(const Flow *flow, Mat *turn)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Momentum_Mult(Mat F, Vec x, Vec y)
+{
+  Saddle *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(F, &s));
+  PetscCall(MatMult(s->viscous, x, y));
+  PetscCall(VecAXPBY(y, s->shift, -s->nu, x));
+  PetscCall(VecPointwiseMult(y, y, s->rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Momentum_GetDiagonal(Mat F, Vec diagonal)
+{
+  Saddle *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(F, &s));
+  PetscCall(MatGetDiagonal(s->viscous, diagonal));
+  PetscCall(VecScale(diagonal, -s->nu));
+  PetscCall(VecShift(diagonal, s->shift));
+  PetscCall(VecPointwiseMult(diagonal, diagonal, s->rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates F from a viscous matrix that has products only. */
+static PetscErrorCode MomentumProducts(const Flow *flow, Mat viscous, Saddle *s)
+{
+  const PetscInt n = s->dim * s->n;
+
+  PetscFunctionBegin;
+  s->nu      = flow->scene->nu;
+  s->viscous = viscous;
+  PetscCall(PetscObjectReference((PetscObject)viscous));
+  PetscCall(VelocityVecRepeat(flow->particles, s->time, &s->rows));
+  PetscCall(VecScale(s->rows, s->step));
+  PetscCall(
+      MatCreateShell(flow->particles->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, s, &s->F));
+  PetscCall(MatShellSetOperation(s->F, MATOP_MULT, (void (*)(void))Momentum_Mult));
+  PetscCall(MatShellSetOperation(s->F, MATOP_GET_DIAGONAL, (void (*)(void))Momentum_GetDiagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components, and in a
    turning frame T_i w z x u; v: `advecting`, if given. Terms that are the same for each component
    are summed up before they are interlaced, and F is a MATMAIJ if it has no others. */
@@ -173,8 +216,14 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
   const VelocityOperators *of      = &flow->ops->velocity[0];
   const PetscBool          couples = flow->ops->forms.components_coupled;
   Mat                      term, scalar = NULL;
+  PetscBool                entries;
 
   PetscFunctionBegin;
+  PetscCall(MatHasOperation(of->visc.A, MATOP_GET_ROW, &entries));
+  if (!entries) {
+    PetscCall(MomentumProducts(flow, of->visc.A, s));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, &term));
   PetscCall(MatScale(term, -scene->nu));
   s->F = couples ? term : NULL;
@@ -251,10 +300,12 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(TimesOfRows(p, s, &rows));
-  PetscCall(VecAYPX(rows, s->step * shift, s->diagonal));
-  PetscCall(MatDiagonalSet(EntriesOf(s), rows, INSERT_VALUES));
-  PetscCall(VecDestroy(&rows));
+  if (!s->viscous) {
+    PetscCall(TimesOfRows(p, s, &rows));
+    PetscCall(VecAYPX(rows, s->step * shift, s->diagonal));
+    PetscCall(MatDiagonalSet(EntriesOf(s), rows, INSERT_VALUES));
+    PetscCall(VecDestroy(&rows));
+  }
   for (PetscInt k = 0; k < 3; k++) { /* tells PETSc about the changed block */
     const Mat changed[] = {s->F, s->P, s->A};
 
@@ -268,7 +319,8 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 /* SaddleFree - Frees all matrices and units; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
-  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z, &s->C, &s->D, &s->G, &s->F, &s->component};
+  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z,         &s->C,
+                &s->D, &s->G, &s->F,     &s->component, &s->viscous};
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
@@ -279,6 +331,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   PetscCall(VecDestroy(&s->viscosity));
   PetscCall(VecDestroy(&s->pressure));
   PetscCall(VecDestroy(&s->constant));
+  PetscCall(VecDestroy(&s->rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -26,6 +26,9 @@ typedef struct {
   PetscReal shift;       /* shift in F; NaN: F is out of date [1/s] */
   Vec       diagonal;    /* of F, or of `component`, for shift 0 [-] */
   Mat       component;   /* the block of each component in F, a MATMAIJ; NULL: F is no such [-] */
+  Mat       viscous;     /* nu_0 times it is -F, which has products only; NULL: F has entries */
+  Vec       rows;        /* of such an F: T_i [s] */
+  PetscReal nu;          /* of such an F: nu_0 [m^2/s] */
   Mat       F, G, D;     /* T_i (shift - nu L + v.grad); T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;           /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
   Mat       Z;          /* 2 mu n.E n on free surfaces, see saddlesurface.c; NULL: no surface [-] */

@@ -36,7 +36,8 @@ static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
    the momentum of drops that touch nothing is kept as well as the equations are solved. */
 static PetscErrorCode CreateKsp(Coupled *c)
 {
-  const PetscReal rtol = c->flow->ops->cut_surface ? 1e-10 : 1e-7;
+  const PetscReal whole = c->flow->scene->dim == 2 ? 1e-10 : 1e-8;
+  const PetscReal rtol  = c->flow->ops->cut_surface ? whole : 1e-7;
   KSP             ksp;
   PC              pc;
 

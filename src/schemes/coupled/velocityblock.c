@@ -6,6 +6,15 @@
     two_level   ILU(0), then a cycle of AMG of the pair-wise Laplacian of each component on the
                 residual: iterations that do not grow with the step. Forms whose cells end at
                 interfaces of fluids, or in 2D at a free surface, have LU in its place
+    splines     the diagonal of F plus the inverse of its part on splines, where F has products only
+                (3D with a free surface of strain cells):
+
+                  F^-1 ~ diag(F)^-1 + P (P^T F P)^-1 P^T,
+                  P^T F P ~ T h^d/V (shift M + nu_0 K)
+
+                with the values P of splines at particles, their products M and the stiffness K of
+                a component over the volume h^d of a cell of the splines. Modes that splines lack
+                are those that fits smooth, so the diagonal serves for them at every step
 
   The factors are those of F plus the entries of G Z that lie in its pattern: without them they do
   not hold beside free surfaces, and the other entries gain nothing. A block that repeats is a
@@ -13,6 +22,7 @@
   whole second method.
 */
 #include "coupled.h"
+#include "splines/splines.h"
 
 #define FACTORS "coupled_velocity_"     /* prefix of the options of the factors */
 #define CYCLE   "coupled_velocity_amg_" /* and of the cycle */
@@ -46,6 +56,11 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
   v->name = RegimeWord(scene->regime, REGIME_BLOCK_PC);
   PetscCall(PetscStrcmp(v->name, "jacobi", &jacobi));
   PetscCall(PetscStrcmp(v->name, "two_level", &both));
+  v->on_splines = flow->ops->cut_surface && scene->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
+  if (v->on_splines) {
+    v->name = "splines";
+    jacobi = both = PETSC_TRUE;
+  }
   if (flow->ops->cut_surface ? both && scene->dim == 2 : OperatorsCutFluids(scene, flow->ops)) {
     both = PETSC_FALSE;
     PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
@@ -62,6 +77,8 @@ static PetscErrorCode FreeVectors(VelocityBlock *v)
   PetscFunctionBegin;
   PetscCall(VecDestroy(&v->residual));
   PetscCall(VecDestroy(&v->pressure));
+  PetscCall(VecDestroy(&v->sums));
+  PetscCall(VecDestroy(&v->part));
   PetscCall(VecDestroy(&v->from));
   PetscCall(VecDestroy(&v->to));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,13 +136,29 @@ static PetscErrorCode CreatePairs(const Saddle *s, const Flow *flow, Mat *A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Creates the matrix of a component on splines. */
+static PetscErrorCode CreateOnSplines(const Saddle *s, const Flow *flow, Mat *A)
+{
+  const Splines  *sp   = flow->scheme->splines;
+  const PetscReal cell = PetscPowReal(sp->scale, (PetscReal)s->dim);
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(sp->M, MAT_COPY_VALUES, A)); /* splines that are no unknowns have 1 */
+  PetscCall(MatScale(*A, s->shift));
+  PetscCall(MatAXPY(*A, s->nu, sp->slopes, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatScale(*A, s->step * cell / flow->particles->cell_volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets up the cycle of AMG. */
 static PetscErrorCode SetUpCycle(const Saddle *s, VelocityBlock *v)
 {
   Mat A;
 
   PetscFunctionBegin;
-  if (s->component) {
+  if (v->on_splines) {
+    PetscCall(CreateOnSplines(s, v->flow, &A));
+  } else if (s->component) {
     A = s->component;
     PetscCall(PetscObjectReference((PetscObject)A));
   } else {
@@ -178,7 +211,8 @@ static PetscErrorCode RenewVectors(const Saddle *s, VelocityBlock *v)
   PetscCall(FreeVectors(v));
   PetscCall(VecDuplicate(s->time, &v->from));
   PetscCall(VecDuplicate(s->time, &v->to));
-  if (!v->cycle || s->component) PetscFunctionReturn(PETSC_SUCCESS);
+  if (v->on_splines) PetscCall(MatCreateVecs(v->flow->scheme->splines->M, &v->sums, &v->part));
+  if (v->on_splines || !v->cycle || s->component) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(s->F, NULL, &v->residual));
   PetscCall(VecDuplicate(s->pressure, &v->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -225,6 +259,25 @@ static PetscErrorCode Residual(const VelocityBlock *v, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the part on splines of each component of x to y. */
+static PetscErrorCode AddOnSplines(const VelocityBlock *v, Vec x, Vec y)
+{
+  const Mat      P   = v->flow->scheme->splines->values;
+  const PetscInt dim = v->saddle->dim;
+
+  PetscFunctionBegin;
+  PetscCall(VecSetBlockSize(x, dim));
+  PetscCall(VecSetBlockSize(y, dim));
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscCall(VecStrideGather(x, c, v->from, INSERT_VALUES));
+    PetscCall(MatMultTranspose(P, v->from, v->sums));
+    PetscCall(KSPSolve(v->cycle, v->sums, v->part));
+    PetscCall(MatMult(P, v->part, v->to));
+    PetscCall(VecStrideScatter(v->to, c, y, ADD_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Velocity_Apply(PC pc, Vec x, Vec y)
 {
   VelocityBlock *v;
@@ -237,7 +290,8 @@ static PetscErrorCode Velocity_Apply(PC pc, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(KSPSolve(v->factors, x, y));
-  if (!v->cycle) PetscFunctionReturn(PETSC_SUCCESS);
+  if (v->on_splines) PetscCall(AddOnSplines(v, x, y));
+  if (v->on_splines || !v->cycle) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Residual(v, x, y));
   PetscCall(ApplyToComponents(v->cycle, v, v->residual, y));
   PetscFunctionReturn(PETSC_SUCCESS);
