@@ -314,7 +314,7 @@ static const char *CutSurfaceFault(const Scene *scene)
 {
   if (scene->dim == 3 && SceneViscosityVaries(scene)) return "no varying viscosity in 3D";
   if (!SceneMoves(scene)) return "moving particles only";
-  if (SceneHasBoundary(scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW)) return "no openings";
+  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) return "no outflow";
   if (SceneFluids(scene) > 1) return "one fluid";
   return NULL;
 }

@@ -188,6 +188,8 @@ static PetscErrorCode UnusedRows(const Splines *s, Mat A)
   PetscCall(MatGetDiagonal(A, diagonal));
   for (PetscInt k = 0; k < s->own.size; k++)
     if (s->slave[k]) PetscCall(VecSetValue(diagonal, s->own.start + k, 1.0, INSERT_VALUES));
+  for (PetscInt k = 0; k < s->n_unused; k++)
+    PetscCall(VecSetValue(diagonal, s->own.start + s->unused[k], 1.0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(diagonal));
   PetscCall(VecAssemblyEnd(diagonal));
   PetscCall(MatSetOption(A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
