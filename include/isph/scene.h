@@ -101,6 +101,7 @@ typedef struct {
   PetscBool          rides;      /* a body that turns with Scene.frame */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
   Freedom            freedom;    /* of a body */
+  PetscReal          contact;    /* cosine of the angle in the fluid between it and a surface [-] */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
   Body               hole; /* the same in 3D, in the axes along the side; without shape: all */
 } Boundary;

@@ -54,8 +54,9 @@ typedef struct {
   StrainRows rows;
 } StrainBorder;
 
-/* Facets of the free surface. */
+/* Facets of the free surface, and the sides of the box that it leaves wet. */
 typedef struct {
+  PetscReal  wet[2 * ISPH_MAX_DIM]; /* areas of sides in own cells [m^(dim-1)] */
   PetscInt   n, room;
   PetscReal *x;                /* their dim corners, dim numbers each [m] */
   PetscInt  *corner;           /* their numbers, dim of each; facets side by side share them */
@@ -107,8 +108,8 @@ void StrainRheology(const Scene *scene, StrainCells *cells);
 PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
-PetscErrorCode StrainTension(const Particles *particles, const StrainCells *cells,
-                             PetscReal force[], PetscReal *area);
+PetscErrorCode StrainTension(const Scene *scene, const Particles *particles,
+                             const StrainCells *cells, PetscReal force[], PetscReal *area);
 PetscErrorCode StrainTensionMatrix(const Particles *particles, const StrainCells *cells, Mat *K);
 PetscErrorCode StrainForces(const Scene *scene, const Particles *particles, const Vec u[],
                             PetscReal dt, StrainCells *cells, PetscReal force[]);

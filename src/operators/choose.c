@@ -319,11 +319,26 @@ static const char *CutSurfaceFault(const Scene *scene)
   return NULL;
 }
 
+/* Refuses contact angles of surfaces that have none. */
+static PetscErrorCode RefuseAngles(const Scene *scene, const OperatorForms *forms)
+{
+  const PetscBool cuts = SceneHasFreeSurface(scene) && forms->visc.row && forms->visc.row->weak;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+    UserCheck(scene->boundary[side].contact == 0.0 || (cuts && scene->tension > 0.0),
+              "-scene_wall_%s_angle: only a free surface with a tension that cuts strain cells has "
+              "contact angles; give -surface_tension and -visc_laplacian weak_stress",
+              BoxSides[side]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Chooses the viscous form of fluids with a free surface, and refuses forms without one. */
 static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   PetscFunctionBegin;
   forms->surface_degree = 2;
+  PetscCall(RefuseAngles(scene, forms));
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   if (forms->visc.row && forms->visc.row->weak) {
     UserCheck(!CutSurfaceFault(scene),

@@ -8,6 +8,7 @@ enum {
   BOX,
   WALL_VELOCITY,
   FREE,
+  WALL_ANGLE,
   FILLED,
   FLUID,
   FLUID_VISCOSITY,
@@ -45,6 +46,19 @@ static const OptionRow options[] = {
                      "its own length beyond them, and is empty there",
             .words = BoxSides,
             .where = "-case scene",
+        },
+    [WALL_ANGLE] =
+        {
+            .name     = "-scene_wall_<side>_angle",
+            .kind     = VALUE_REAL,
+            .brief    = "contact angle of the free surface with a side of the box, in the fluid",
+            .unit     = "degrees",
+            .standard = "90",
+            .low      = 30.0,
+            .high     = 150.0,
+            .places   = BoxSides,
+            .where    = "-case scene, sides that are walls, -surface_tension and -visc_laplacian "
+                        "weak_stress",
         },
     [FILLED] =
         {
@@ -200,6 +214,7 @@ static PetscErrorCode ReadSides(Scene *scene)
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
+    PetscReal      angle  = 90.0;
     char           name[OPTION_LENGTH];
     PetscBool      given;
     OptionRow      row;
@@ -207,6 +222,9 @@ static PetscErrorCode ReadSides(Scene *scene)
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP) &&
         !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
       continue;
+    OptionFill(&options[WALL_ANGLE], BoxSides[side], name, &row);
+    if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) PetscCall(OptionGetReal(&row, &angle, NULL));
+    scene->boundary[side].contact = angle == 90.0 ? 0.0 : PetscCosReal(angle * PETSC_PI / 180.0);
     OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
     PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim,
                             EXPRESSION_PLACE | EXPRESSION_TIME, v, &given));

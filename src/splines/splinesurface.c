@@ -369,6 +369,15 @@ static PetscErrorCode AddMatrix(Mat X, Mat *Y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the area of the sides across an axis [m^(dim-1)]. */
+static PetscReal BoxArea(const Scene *scene, PetscInt axis)
+{
+  PetscReal area = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) area *= a == axis ? 1.0 : scene->hi[a] - scene->lo[a];
+  return area;
+}
+
 /*
   SplineSurfaceTension - Computes the force of the tension of the free surface, and adds its change
   in a step to the viscous matrix
@@ -390,7 +399,7 @@ PetscErrorCode SplineSurfaceTension(Flow *flow)
   if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowStateRenumber(flow));
   PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
-  PetscCall(StrainTension(p, cells, force, &area));
+  PetscCall(StrainTension(scene, p, cells, force, &area));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
     for (PetscInt i = 0; i < p->n_fluid; i++)
@@ -399,6 +408,8 @@ PetscErrorCode SplineSurfaceTension(Flow *flow)
   }
   PetscCall(PetscFree(force));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt side = 0; side < 2 * p->dim; side++) /* dry walls that fluid wets have energy */
+    area += PetscMax(scene->boundary[side].contact, 0.0) * BoxArea(scene, side / 2);
   flow->state->tension_energy =
       2.0 * scene->tension * area / (scene->rho * p->weight * p->cell_volume);
   PetscCall(StrainTensionMatrix(p, cells, &K));

@@ -69,8 +69,8 @@ PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);
 PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM],
                               StrainSurface *surface);
-PetscErrorCode StrainCorners(const StrainLattice *lattice, StrainSurface *surface,
-                             StrainPoints *points);
+PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *lattice,
+                             StrainSurface *surface, StrainPoints *points);
 
 /* StrainIndexAlong - Returns the index along an axis of the cell of the block at x [m], the nearest
    outside; not collective */
@@ -82,6 +82,17 @@ static inline PetscInt StrainIndexAlong(const Scene *scene, const StrainLattice 
   return PetscMin(PetscMax(k, 0), l->n[a] - 1);
 }
 
+/* StrainOnSide - Returns true if a place is on a side of the box that is not periodic; not
+   collective */
+static inline PetscBool StrainOnSide(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  const PetscInt  a    = side / 2;
+  const PetscReal wall = side % 2 ? scene->hi[a] : scene->lo[a];
+
+  if (SceneIsPeriodic(scene, a)) return PETSC_FALSE;
+  return PetscAbsReal(x[a] - wall) < 1e-6 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* StrainDepth - Returns the depth below the surface at which the concentration exceeds its level by
    C: the slope of a plane surface is about 1.5 over the radius [m] */
 static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)
@@ -89,8 +100,9 @@ static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)
   return C * LEVEL_REACH * scene->dx / 1.5;
 }
 
-void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscReal *const value[],
-                          PetscReal tension, PetscReal dt, PetscReal force[]);
+void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
+                          PetscReal *const value[], PetscReal tension, PetscReal dt,
+                          PetscReal force[]);
 PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *cells);
 PetscErrorCode StrainFeet(StrainFits *fits);
 PetscErrorCode StrainRowsOf(StrainFits *fits, const StrainPoints *points, StrainRows *rows);

@@ -543,10 +543,22 @@ static PetscErrorCode CellsReserve(PetscInt dim, StrainCells *s, Facets *facets)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the areas of sides of the box in the last cell, if this rank has it. */
+static void AddWet(const Scene *scene, const Particles *p, const Cell *cell, const CellPart *part,
+                   StrainCells *s)
+{
+  PetscReal x[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = s->centre[a][s->n];
+  if (!ParticlesHolds(p, x)) return;
+  for (PetscInt side = 0; side < 2 * p->dim; side++)
+    if (BoxSide(scene, &s->lattice, cell, side) == side) s->surface.wet[side] += part->area[side];
+}
+
 /* Finds the cells and their facets. */
-static PetscErrorCode FindCells(const Scene *scene, const StrainQuantity *quantity,
-                                const Corners *corners, StrainCells *s, Sides *sides,
-                                Facets *facets)
+static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
+                                const StrainQuantity *quantity, const Corners *corners,
+                                StrainCells *s, Sides *sides, Facets *facets)
 {
   const StrainLattice *l     = &s->lattice;
   PetscInt             all   = 1;
@@ -554,6 +566,7 @@ static PetscErrorCode FindCells(const Scene *scene, const StrainQuantity *quanti
 
   PetscFunctionBegin;
   s->n = s->surface.n = 0;
+  PetscCall(PetscArrayzero(s->surface.wet, 2 * ISPH_MAX_DIM));
   PetscCall(PetscMalloc1(s->capacity, &facets->first));
   for (PetscInt a = 0; a < l->dim; a++) {
     all *= l->n[a];
@@ -579,6 +592,7 @@ static PetscErrorCode FindCells(const Scene *scene, const StrainQuantity *quanti
       PetscCall(
           AddPart(scene, &cell, corners, n, fluid, fluid[q], quantity, &part, s, sides, facets));
       for (PetscInt a = 0; a < l->dim; a++) s->centre[a][s->n] = part.centre[a];
+      AddWet(scene, p, &cell, &part, s);
       s->n++;
     }
   }
@@ -795,8 +809,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
-  PetscCall(FindCells(scene, quantity, &corners, s, &sides, &facets));
-  PetscCall(StrainCorners(&s->lattice, &s->surface, &sides.points));
+  PetscCall(FindCells(scene, p, quantity, &corners, s, &sides, &facets));
+  PetscCall(StrainCorners(scene, &s->lattice, &s->surface, &sides.points));
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
   PetscCall(JoinAll(p, &rows, &facets, s));

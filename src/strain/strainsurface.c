@@ -20,6 +20,7 @@
 #include "strain.h"
 
 #define LEVEL_MOST  40   /* steps */
+#define SHARE_STEPS 16   /* of a quadrature of the kernel */
 #define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
 #define SAME_PLACE  1e-6 /* corners so near are the same, over the edge of a cell */
 
@@ -35,6 +36,71 @@ static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
   return q < 1.0 ? whole * NearestWeight(q) : 0.0;
 }
 
+/* Return the integrals of the kernel times q^k from q to 1, over its value at 0. */
+static PetscReal Beyond(PetscInt k, PetscReal q)
+{
+  static const PetscReal c[] = {1.0, 0.0, -10.0, 20.0, -15.0, 4.0};
+  PetscReal              sum = 0.0, power = PetscPowRealInt(PetscMin(q, 1.0), (int)k + 1);
+
+  for (PetscInt e = 0; e < 6; e++, power *= PetscMin(q, 1.0))
+    sum += c[e] * (1.0 - power) / (PetscReal)(k + e + 1);
+  return sum;
+}
+
+/*
+  Computes the part of the kernel that is behind a wall at the distance z < R, and on the fluid's
+  side of a plane through the centre of the kernel that meets the wall at the contact angle; and the
+  part behind the wall of what the kernel loses if the surface is curved, and has this angle on the
+  wall. Then a surface of uniform curvature, which has the same level everywhere, has it beside the
+  wall. Input: contact - cosine of the angle.
+
+    a_0 = int W dV,   a_1 = int (s^2 - 2 s s_0) W ds/int s^2 W ds,   s_0 the way to the wall
+
+  In 3D directions beta turn about the normal of the contact line.
+*/
+static void PartBehind(PetscInt dim, PetscReal contact, PetscReal z, PetscReal R, PetscReal part[2])
+{
+  const PetscReal from = z / R, most = PetscAcosReal(from), lean = PetscAsinReal(contact);
+  const PetscReal across = (PetscMin(lean, most) + most) / SHARE_STEPS;
+  const PetscReal way    = from / PetscMax(PetscCosReal(lean), PETSC_SMALL);
+  const PetscReal whole  = dim == 2 ? 7.0 / PETSC_PI : 21.0 / (2.0 * PETSC_PI);
+  const PetscInt  n      = dim == 2 ? 1 : SHARE_STEPS;
+
+  part[0] = part[1] = 0.0;
+  for (PetscInt m = 0; m < n; m++) {
+    const PetscReal step = dim == 2 ? 1.0 : PETSC_PI / n;
+    const PetscReal beta = dim == 2 ? 1.0 : PetscSinReal((m + 0.5) * step);
+
+    for (PetscInt k = 0; k < (across > 0.0 ? SHARE_STEPS : 0); k++)
+      part[0] += whole * step * across * (dim == 2 ? 1.0 : beta) *
+                 Beyond(dim - 1, from / (beta * PetscCosReal((k + 0.5) * across - most)));
+    part[1] += step * (Beyond(dim, way / beta) - 2.0 * way * beta * Beyond(dim - 1, way / beta)) /
+               ((dim == 2 ? 2.0 : 2.0 * PETSC_PI) * Beyond(dim, 0.0));
+  }
+}
+
+/* Takes the planes of walls with a contact angle off a list. Output: part - the sums of theirs. */
+static void TakeAngles(const Scene *scene, PetscReal R, WallPlane planes[], PetscInt *n,
+                       PetscReal part[2])
+{
+  PetscInt kept = 0;
+
+  part[0] = part[1] = 0.0;
+  for (PetscInt k = 0; k < *n; k++) {
+    const PetscReal contact = scene->boundary[planes[k].side].contact;
+    PetscReal       one[2];
+
+    if (contact == 0.0) {
+      planes[kept++] = planes[k];
+      continue;
+    }
+    PartBehind(scene->dim, contact, PetscMax(planes[k].distance, 0.0), R, one);
+    part[0] += one[0];
+    part[1] += one[1];
+  }
+  *n = kept;
+}
+
 /* StrainConcentration - Computes the concentration at a place from the particles around it; not
    collective. Input: cells - of edge 3 dx at least; list - work. */
 PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
@@ -42,12 +108,14 @@ PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const
 {
   const PetscReal R = LEVEL_REACH * scene->dx;
   WallPlane       planes[WALL_PLANES];
+  PetscReal       behind[2];
   PetscInt        n, n_planes = 0;
 
   PetscFunctionBegin;
   *C = 0.0;
   PetscCall(CellsFind(cells, x, R, cells->n, list, &n));
   if (n && SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, R, planes, &n_planes);
+  TakeAngles(scene, R, planes, &n_planes, behind);
   for (PetscInt q = 0; q < n; q++) {
     const PetscInt j = list[q];
     PetscReal      X[ISPH_MAX_DIM];
@@ -62,6 +130,7 @@ PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const
       *C += p->volume[j] * WeightAt(p->dim, R, Y);
     }
   }
+  if (*C > 0.0) *C = (*C + behind[0] - 0.5 * behind[1]) / (1.0 - behind[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,10 +194,20 @@ static int ComparePlaces(const void *a, const void *b)
   return of[0]->at < of[1]->at ? -1 : 1;
 }
 
+/* Returns the boundary of the box that a place is on; -1: none. */
+static PetscInt BoxSideAt(const Scene *scene, const PetscReal x[])
+{
+  PetscInt side = 2 * scene->dim - 1;
+
+  while (side >= 0 && !StrainOnSide(scene, side, x)) side--;
+  return side;
+}
+
 /* StrainCorners - Numbers the corners of the facets, and adds their points; not collective. Cells
    side by side compute the places of their corners alike but for rounding; a corner that rounding
    counts twice has two equal rows. */
-PetscErrorCode StrainCorners(const StrainLattice *l, StrainSurface *s, StrainPoints *points)
+PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainSurface *s,
+                             StrainPoints *points)
 {
   const PetscInt d = l->dim, n = s->n * d;
   Corner        *corner;
@@ -149,7 +228,9 @@ PetscErrorCode StrainCorners(const StrainLattice *l, StrainSurface *s, StrainPoi
     for (PetscInt a = 0; same && a < d; a++)
       if (corner[k].x[a] != corner[k - 1].x[a]) same = PETSC_FALSE;
     if (!same) {
-      PetscCall(StrainPointAdd(d, &s->x[corner[k].at * d], 0, -1, points));
+      const PetscReal *x = &s->x[corner[k].at * d];
+
+      PetscCall(StrainPointAdd(d, x, 0, BoxSideAt(scene, x), points));
       s->n_corners++;
     }
     s->corner[corner[k].at] = s->n_corners - 1;
@@ -214,19 +295,55 @@ static PetscBool ShapeOf(PetscInt dim, const PetscReal x[], FacetShape *f)
 }
 
 /*
+  Computes the derivative of cos(angle) times the area of wet walls by corner v of a facet with the
+  corners x. A wet wall grows along itself, away from the fluid: in 2D by the way of the corner, in
+  3D by half of the edge of the facet on the wall times it. Returns the side of the box, or -1 where
+  it is zero.
+*/
+static PetscInt WetSlope(const Scene *scene, const PetscReal x[], const FacetShape *f, PetscInt v,
+                         PetscReal slope[])
+{
+  const PetscInt d  = scene->dim;
+  PetscInt       on = -1;
+
+  for (PetscInt a = 0; a < d; a++) slope[a] = 0.0;
+  for (PetscInt side = 0; side < 2 * d; side++) {
+    const PetscReal contact = scene->boundary[side].contact;
+    const PetscReal along   = PetscSqrtReal(1.0 - PetscMin(PetscSqr(f->normal[side / 2]), 1.0));
+
+    if (contact == 0.0 || along == 0.0 || !StrainOnSide(scene, side, &x[v * d])) continue;
+    on = side;
+    for (PetscInt w = 0; w < d; w++) {
+      PetscReal length = 0.0;
+
+      if (w == v ? d == 3 : d == 2) continue;
+      for (PetscInt a = 0; a < d; a++) length += PetscSqr(x[w * d + a] - x[v * d + a]);
+      length =
+          d == 3 ? (StrainOnSide(scene, side, &x[w * d]) ? 0.5 * PetscSqrtReal(length) : 0.0) : 1.0;
+      for (PetscInt a = 0; a < d; a++)
+        if (a != side / 2) slope[a] += contact * length * f->normal[a] / along;
+    }
+  }
+  return on;
+}
+
+/*
   StrainTension - Adds the forces of the tension of the surface to those of own particles
 
   Not collective. Input/Output: force - component a of particle i at [i dim + a], over sigma
-  [m^(dim-2)]. Output: area - of facets of this rank's box [m^(dim-1)].
+  [m^(dim-2)]. Output: area - of facets of this rank's
+  box, less cos(angle) times the area of wet walls [m^(dim-1)].
 */
-PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, PetscReal force[],
-                             PetscReal *area)
+PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const StrainCells *cells,
+                             PetscReal force[], PetscReal *area)
 {
   const StrainSurface *s = &cells->surface;
   const PetscInt       d = p->dim;
 
   PetscFunctionBegin;
   *area = 0.0;
+  for (PetscInt side = 0; side < 2 * d; side++)
+    *area -= scene->boundary[side].contact * s->wet[side];
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
 
@@ -234,51 +351,77 @@ PetscErrorCode StrainTension(const Particles *p, const StrainCells *cells, Petsc
     if (IsOwn(p, &s->x[f * d * d])) *area += shape.area;
     for (PetscInt v = 0; v < d; v++) {
       const PetscInt row = (s->first + s->corner[f * d + v]) * cells->sets;
+      PetscReal      wet[ISPH_MAX_DIM];
 
+      (void)WetSlope(scene, &s->x[f * d * d], &shape, v, wet);
       for (PetscInt a = 0; a < d; a++) {
         const PetscInt q = cells->sets == 1 ? 0 : a;
 
         for (PetscInt e = s->rows.start[row + q]; e < s->rows.start[row + q + 1]; e++)
           if (s->rows.j[e] < p->n_fluid)
-            force[d * s->rows.j[e] + a] -= s->rows.w[e] * shape.area * shape.slope[v][a];
+            force[d * s->rows.j[e] + a] -= s->rows.w[e] * (shape.area * shape.slope[v][a] - wet[a]);
       }
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the forces of a facet on wall particles. Input: slope - of u.n along the facet, times the
+   step. */
+static void AddFacetOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
+                            PetscInt f, const FacetShape *shape, const PetscReal slope[],
+                            PetscReal tension, PetscReal force[])
+{
+  const StrainSurface *s = &cells->surface;
+  const PetscInt       d = p->dim;
+
+  for (PetscInt v = 0; v < d; v++) {
+    const PetscInt row = (s->first + s->corner[f * d + v]) * cells->sets;
+    PetscReal      wet[ISPH_MAX_DIM];
+    const PetscInt side = WetSlope(scene, &s->x[f * d * d], shape, v, wet);
+    const PetscInt on   = row + (cells->sets == 1 ? 0 : PetscMax(side, 0) / 2);
+
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscInt r      = row + (cells->sets == 1 ? 0 : a);
+      PetscReal      change = shape->slope[v][a];
+
+      for (PetscInt b = 0; b < d; b++) change += shape->normal[a] * shape->slope[v][b] * slope[b];
+      for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
+        if (ParticlesIsWall(p, s->rows.j[e]))
+          force[d * s->rows.j[e] + a] -= tension * s->rows.w[e] * (shape->area * change - wet[a]);
+      for (PetscInt e = s->rows.start[on]; e < s->rows.start[on + 1] && side >= 0; e++)
+        if (ParticlesIsWall(p, s->rows.j[e]))
+          force[d * s->rows.j[e] + a] -= tension * s->rows.w[e] * wet[a]; /* the wall pulls */
+    }
+  }
+}
+
 /* StrainTensionOnWalls - Adds the forces of the tension on wall particles, and their change in a
    step, by the facets of this rank's box; not collective. Input: value - velocities by local index;
    force - component a on particle j at [j dim + a] [N]. */
-void StrainTensionOnWalls(const Particles *p, const StrainCells *cells, PetscReal *const value[],
-                          PetscReal tension, PetscReal dt, PetscReal force[])
+void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
+                          PetscReal *const value[], PetscReal tension, PetscReal dt,
+                          PetscReal force[])
 {
   const StrainSurface *s = &cells->surface;
   const PetscInt       d = p->dim;
 
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
-    PetscReal  slope[ISPH_MAX_DIM] = {0.0}; /* of u.n along the facet, of the fluid alone */
+    PetscReal  slope[ISPH_MAX_DIM] = {0.0}; /* of the fluid alone */
 
     if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
-    for (PetscInt pass = 0; pass < 2; pass++) {
-      for (PetscInt k = 0; k < d * d; k++) {
-        const PetscInt v = k / d, a = k % d;
-        const PetscInt r =
-            (s->first + s->corner[f * d + v]) * cells->sets + (cells->sets == 1 ? 0 : a);
+    for (PetscInt k = 0; k < d * d; k++) {
+      const PetscInt v = k / d, a = k % d;
+      const PetscInt r =
+          (s->first + s->corner[f * d + v]) * cells->sets + (cells->sets == 1 ? 0 : a);
 
-        for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++) {
-          const PetscInt  j = s->rows.j[e];
-          const PetscReal w = s->rows.w[e], normal = shape.normal[a];
-          PetscReal       change = shape.slope[v][a];
-
-          for (PetscInt b = 0; b < d && !pass && !ParticlesIsWall(p, j); b++)
-            slope[b] += w * normal * shape.slope[v][b] * value[a][j];
-          for (PetscInt b = 0; b < d; b++) change += dt * normal * shape.slope[v][b] * slope[b];
-          if (pass && ParticlesIsWall(p, j)) force[d * j + a] -= tension * w * shape.area * change;
-        }
-      }
+      for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
+        for (PetscInt b = 0; b < d && !ParticlesIsWall(p, s->rows.j[e]); b++)
+          slope[b] +=
+              dt * s->rows.w[e] * shape.normal[a] * shape.slope[v][b] * value[a][s->rows.j[e]];
     }
+    AddFacetOnWalls(scene, p, cells, f, &shape, slope, tension, force);
   }
 }
 

@@ -1,6 +1,6 @@
 /*
   Forces of the fluid on walls in a weak form. The powers of stress and tension are sums over the
-  velocities of particles, those of walls among them, and what multiplies the velocity of a wall
+  velocities of particles, also of walls, and what multiplies the velocity of a wall
   particle is the force on it:
 
     F_w = -sum_c V_c 2 mu_c E_c g_cw - sigma sum_v N_w(y_v) dA/dy_v - dt sigma sum_j K_wj u_j
@@ -55,7 +55,7 @@ PetscErrorCode StrainForces(const Scene *scene, const Particles *p, const Vec u[
   }
   PetscCall(StrainOfValues(p, value, s));
   AddViscous(p, s, scene->rho, force);
-  if (scene->tension > 0.0) StrainTensionOnWalls(p, s, value, scene->tension, dt, force);
+  if (scene->tension > 0.0) StrainTensionOnWalls(scene, p, s, value, scene->tension, dt, force);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(value[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
