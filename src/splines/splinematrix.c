@@ -402,12 +402,14 @@ PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[])
   const PetscReal    cell = PetscPowReal(s->scale, (PetscReal)s->lattice.dim);
   const PetscScalar *load;
   PetscInt           n;
-  Vec                walls;
+  Vec                walls, excess;
 
   PetscFunctionBegin;
   if (!s->cut[2]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(s->cut[2], &walls, NULL));
-  PetscCall(MatMultTranspose(s->cut[2], p, walls));
+  PetscCall(SplinesExcess(s, p, &excess));
+  PetscCall(MatMultTranspose(s->cut[2], excess, walls));
+  PetscCall(VecDestroy(&excess));
   PetscCall(VecGetLocalSize(walls, &n));
   PetscCall(VecGetArrayRead(walls, &load));
   for (PetscInt k = 0; k < n; k++) force[k] += cell * load[k];

@@ -181,6 +181,17 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplinesExcess - Creates the vector of a pressure less that outside a free surface, whose force is
+   that of the fluid's cells; collective */
+PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(p, excess));
+  PetscCall(VecCopy(p, *excess));
+  if (s->surface) PetscCall(VecShift(*excess, -s->lattice.scene->level));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplinesCutFree - Frees what SplinesCutAssemble() computes; collective */
 PetscErrorCode SplinesCutFree(Splines *s)
 {

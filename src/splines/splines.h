@@ -407,6 +407,7 @@ PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, M
 PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
+PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess);
 PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[]);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 

@@ -281,13 +281,16 @@ PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value)
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[])
 {
   const PetscScalar *g;
+  Vec                excess;
 
   PetscFunctionBegin;
   if (!s->cut[0]) {
     PetscCall(Evaluate(s, p, NULL, gradient));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MatMult(s->cut[0], p, s->cut_gradient));
+  PetscCall(SplinesExcess(s, p, &excess));
+  PetscCall(MatMult(s->cut[0], excess, s->cut_gradient));
+  PetscCall(VecDestroy(&excess));
   PetscCall(VecGetArrayRead(s->cut_gradient, &g));
   PetscCall(PetscArraycpy(gradient, g, s->lattice.dim * s->at.n));
   PetscCall(VecRestoreArrayRead(s->cut_gradient, &g));
