@@ -19,8 +19,9 @@
 PetscReal StrainReach(const Scene *scene)
 {
   const PetscReal foot = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
+  const PetscReal edge = scene->dim == 3 && SceneHasFreeSurface(scene) ? CELL_IN_SPACE : CELL_EDGE;
 
-  return (2.0 * FIT_REACH + 2.0 * CELL_IN_SPACE + foot) * SceneCoarsest(scene);
+  return (2.0 * FIT_REACH + 2.0 * edge + foot) * SceneCoarsest(scene);
 }
 
 /* Corners of the block of cells. */
