@@ -221,7 +221,7 @@ PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainS
     for (PetscInt a = 0; a < d; a++)
       corner[k].x[a] = (PetscInt64)PetscFloorReal(s->x[k * d + a] / (SAME_PLACE * l->edge[a]));
   }
-  qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
+  if (n) qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
   for (PetscInt k = 0; k < n; k++) {
     PetscBool same = k > 0 ? PETSC_TRUE : PETSC_FALSE;
 
