@@ -181,19 +181,30 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
 /* Adds the equation q = 0 of splines that are no unknowns to a matrix. */
 static PetscErrorCode UnusedRows(const Splines *s, Mat A)
 {
-  Vec diagonal;
+  const PetscScalar *value;
+  Vec                diagonal;
+  Mat                rest; /* an entry set in A itself would move all that follow it */
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(A, NULL, &diagonal));
   PetscCall(MatGetDiagonal(A, diagonal));
-  for (PetscInt k = 0; k < s->own.size; k++)
-    if (s->slave[k]) PetscCall(VecSetValue(diagonal, s->own.start + k, 1.0, INSERT_VALUES));
-  for (PetscInt k = 0; k < s->n_unused; k++)
-    PetscCall(VecSetValue(diagonal, s->own.start + s->unused[k], 1.0, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(diagonal));
-  PetscCall(VecAssemblyEnd(diagonal));
-  PetscCall(MatSetOption(A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  PetscCall(MatDiagonalSet(A, diagonal, INSERT_VALUES));
+  PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)A), s->own.size, s->own.size, PETSC_DETERMINE,
+                         PETSC_DETERMINE, 1, NULL, 0, NULL, &rest));
+  PetscCall(VecGetArrayRead(diagonal, &value));
+  for (PetscInt k = 0; k < s->own.size; k++) {
+    const PetscInt row = s->own.start + k;
+
+    if (s->slave[k]) PetscCall(MatSetValue(rest, row, row, 1.0 - value[k], INSERT_VALUES));
+  }
+  for (PetscInt k = 0; k < s->n_unused; k++) {
+    const PetscInt own = s->unused[k], row = s->own.start + own;
+
+    PetscCall(MatSetValue(rest, row, row, 1.0 - value[own], INSERT_VALUES));
+  }
+  PetscCall(VecRestoreArrayRead(diagonal, &value));
+  PetscCall(SplineMatFinish(rest));
+  PetscCall(MatAXPY(A, 1.0, rest, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&rest));
   PetscCall(VecDestroy(&diagonal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
