@@ -39,7 +39,7 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
   PetscReal        most = 0.0;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; force && flow->state->interface[a] && a < scene->dim; a++)
+  for (PetscInt a = 0; force && a < scene->dim && flow->state->interface[a]; a++)
     PetscCall(VecAXPY(force[a], 1.0, flow->state->interface[a]));
   if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!scene->force.n && !flow->ops->cut_surface) {
