@@ -81,15 +81,16 @@ struct StrainCells {
   StrainBorder  border; /* of a scalar */
   StrainSurface surface;
   PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
-  PetscReal
-      *weight[ISPH_MAX_DIM]; /* of own fluid: int N_i along an axis [m^dim]; NULL: not known */
-  PetscReal *strain;         /* E of cell c for the last velocity: dim^2 values each [1/s] */
-  PetscReal *rate;           /* sqrt(2 E:E) [1/s] */
-  StrainList list[2];        /* fluid, walls */
+  /* int N_j along an axis: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
+  PetscReal *weight[ISPH_MAX_DIM];
+  PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
+  PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
+  StrainList list[2]; /* fluid, walls */
   /* of own fluid i and set s: places in the lists of cells, [of[s][i], of[s][i + 1]) */
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
 
+PetscReal      StrainEdge(const Scene *scene);
 PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
                               PetscReal edge, PetscInt degree, const StrainQuantity *quantity,

@@ -396,8 +396,8 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
   PetscCall(MatDestroy(&visc->B));
-  PetscCall(StrainAssemble(scene, p, nb, products ? CELL_IN_SPACE : CELL_EDGE, ops->forms.degree,
-                           &velocity, &ops->strain));
+  PetscCall(
+      StrainAssemble(scene, p, nb, StrainEdge(scene), ops->forms.degree, &velocity, &ops->strain));
   StrainViscosities(scene, p, ops->strain);
   if (products) {
     PetscCall(StrainProducts(scene, p, PETSC_FALSE, ops->strain, &visc->A));

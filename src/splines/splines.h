@@ -14,7 +14,6 @@
 
 #include "isph/flow.h"
 #include "isph/strain.h"
-#include "isph/strain.h"
 
 /* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
    splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall

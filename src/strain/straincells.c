@@ -13,15 +13,20 @@
 #define VOID_REACH 1.2  /* without a particle so near a corner is outside the free surface [dx] */
 #define TIE        1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
 
+/* StrainEdge - Returns the edge of the cells of the velocity [dx]; not collective */
+PetscReal StrainEdge(const Scene *scene)
+{
+  return scene->dim == 3 && SceneHasFreeSurface(scene) ? CELL_IN_SPACE : CELL_EDGE;
+}
+
 /* StrainReach - Returns the largest distance of a particle that assembly reads for the rows of
    another [m]: both have a part in a cell, through points of interfaces if there are; not
    collective */
 PetscReal StrainReach(const Scene *scene)
 {
   const PetscReal foot = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
-  const PetscReal edge = scene->dim == 3 && SceneHasFreeSurface(scene) ? CELL_IN_SPACE : CELL_EDGE;
 
-  return (2.0 * FIT_REACH + 2.0 * edge + foot) * SceneCoarsest(scene);
+  return (2.0 * FIT_REACH + 2.0 * StrainEdge(scene) + foot) * SceneCoarsest(scene);
 }
 
 /* Corners of the block of cells. */

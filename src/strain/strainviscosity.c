@@ -101,11 +101,10 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Ne
 {
   const PetscBool      cut      = cells->weight[0] ? PETSC_TRUE : PETSC_FALSE;
   const StrainQuantity velocity = {.sets = cells->sets, .cut = cut};
-  const PetscReal      edge     = cut && p->dim == 3 ? CELL_IN_SPACE : CELL_EDGE;
   StrainCells         *of[2]    = {cells, NULL};
 
   PetscFunctionBegin;
-  PetscCall(StrainAssemble(scene, p, nb, 2.0 * edge, degree, &velocity, &of[1]));
+  PetscCall(StrainAssemble(scene, p, nb, 2.0 * StrainEdge(scene), degree, &velocity, &of[1]));
   StrainViscosities(scene, p, of[1]);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(error[a], p->n_fluid));
   for (PetscInt k = 0; k < 2; k++) {
