@@ -6,6 +6,7 @@
     docs.py shown ISPH PAGE...        every command of the pages runs in full and prints the output that is shown
     docs.py quoted ISPH PAGE...       the same, but runs only the commands of `console` blocks
     docs.py remake ISPH PAGE...       writes the output of the commands into the pages
+    docs.py words                     users' pages are short: all together, and limits.md
     docs.py code                      prints the C code of the how-tos as a single file, to be compiled
 
 A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
@@ -30,6 +31,7 @@ import subprocess
 import sys
 import tempfile
 
+WORDS = 60000  # of the pages that users read; docs/developers/ and the three files for developers do not count
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 LOOSE = re.compile(r"wall time|M/s|^isph: step |^memory ")  # numbers that depend on the computer, or of a flow that diverged
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -178,10 +180,22 @@ def python_faults(page):
 def links():
     names = known_options()
     faults = [fault for page in pages() for kind in (link_faults, python_faults, message_faults) for fault in kind(page)]
-    faults += [fault for page in pages() if not page.startswith("docs/results/") for fault in option_faults(page, names)]
+    faults += [fault for page in pages() if not page.startswith("docs/developers/results/") for fault in option_faults(page, names)]
     faults += unanswered()
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)
+
+
+def words():
+    """Compares the words of users' pages, split at blanks, with their bounds."""
+    found = {page: len(read(page).split()) for page in pages()}
+    users = {page: count for page, count in found.items() if page == "README.md" or
+             page.startswith("docs/") and not page.startswith("docs/developers/")}
+    for page, count in sorted(users.items(), key=lambda pair: pair[1]):
+        print(f"{count:6} {page}")
+    total, limits = sum(users.values()), users.get("docs/limits.md", 0)
+    print(f"{total} words in {len(users)} pages of users, of at most {WORDS}; limits.md has {limits}, of at most 1500")
+    return total > WORDS or limits > 1500
 
 
 # ---- commands ----
@@ -432,6 +446,8 @@ def code():
 def main():
     if sys.argv[1:] == ["links"]:
         sys.exit(links())
+    if sys.argv[1:] == ["words"]:
+        sys.exit(words())
     if sys.argv[1:] == ["code"]:
         sys.exit(code())
     kinds = {"run": run, "shown": check_shown, "quoted": check_quoted, "remake": remake}

@@ -22,7 +22,7 @@ def rows_of(study, only, beginning):
     return found
 
 
-# Twice the errors of docs/results: 1.6 % of the vortices; 0.39 % of the channel; of the drop 1.1 %, and 0.8 % of its rate.
+# Twice the errors of docs/developers/results: 1.6 % of the vortices; 0.39 % of the channel; of the drop 1.1 %, and 0.8 % of its rate.
 for row in rows_of("peers", "isph -case taylor_green -reynolds 100 -t_end 1 -n 16 ", "| isph, moving"):
     assert 0 < float(row[10].removesuffix(" %")) < 3, f"Taylor-Green vortices: {row}"
 for row in (row for row in rows_of("peers", "-n 10 -motion eulerian", "| isph, fixed") if row[3] == "10"):

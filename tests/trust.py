@@ -1,5 +1,5 @@
 """Tests studies/trust with four tiny flows: exact linear flows have no error, a coarse flow that is measured by a reference has
-the error of docs/results/trust_truth.csv, and the page is written; each class of the list has flows in both halves.
+the error of docs/developers/results/trust_truth.csv, and the page is written; each class of the list has flows in both halves.
 
     trust.py STUDY ISPH"""
 import csv

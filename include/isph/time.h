@@ -10,7 +10,7 @@
 extern const OptionTable TimeOptions;
 
 #define CLOCK_MAX_REPORTS 32
-/* The default CFL number, which is stable in every map of docs/results/stability.md. In the cavity
+/* The default CFL number, which is stable in every map of results/stability.md. In the cavity
    at Re = 1000, n = 50, t = 40, the energy of moving particles is 1.9, 0.4 and 0.2 % too small with
    CFL numbers of 1, 0.5 and 0.25. */
 #define CLOCK_CFL  0.5

@@ -179,7 +179,7 @@ static PetscBool IsExplicit(const Scheme *scheme)
 /*
   Compares implicit with explicit viscosity. Advection limits implicit steps (default CFL number),
   and dt_explicit limits explicit steps. A solve costs about as much as another step, so implicit
-  steps below twice dt_explicit are no gain (docs/results/implicit.md).
+  steps below twice dt_explicit are no gain (results/implicit.md).
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
@@ -208,7 +208,7 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
 }
 
 /*
-  Warns about long steps of moving particles: in docs/results/stability.md, runs of the cavity
+  Warns about long steps of moving particles: in results/stability.md, runs of the cavity
   ended early at CFL numbers of 1 and more if viscosity did not smooth the grid scale.
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)

@@ -1,6 +1,6 @@
 /*
   The memory of a run, predicted before its particles exist: that of the program so far, and for
-  each fluid particle what docs/results/memory.md measures. A share of the latter grows with the
+  each fluid particle what results/memory.md measures. A share of the latter grows with the
   number of neighbours. Runs that no machine part of which they use can hold are refused.
 */
 #include "isph/io.h"

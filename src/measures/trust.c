@@ -11,7 +11,7 @@
 
   Space and operator see the same error where the form is consistent. The defect is the better
   estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
-  spread about the true error. docs/results/trust.md compares them with the true errors of flows.
+  spread about the true error. results/trust.md compares them with the true errors of flows.
 */
 #include "defect.h"
 #include "isph/balance.h"

@@ -1,11 +1,11 @@
 /*
   The defaults that depend on the flow, and the bounds of what a flow allows. For each flow exactly
   one row of a table holds. Bounds were measured; the tables name the pages. Studies of the borders
-  between rows: docs/results/regimes.md.
+  between rows: docs/developers/results/regimes.md.
 */
 #include "isph/regime.h"
 
-#define MEASURED "results/regimes.md"
+#define MEASURED "developers/results/regimes.md"
 
 /* Ranges of the number of a table. */
 /* clang-format off */
@@ -232,32 +232,32 @@ static const RegimeRow step_holds[] = {
 };
 
 #define ROWS(table) table, (PetscInt)(sizeof(table) / sizeof((table)[0]))
-#define FILTERS     "theory.md#7-filters"
-#define SOLVERS     "theory.md#13-linear-solvers"
-#define STABILITY   "results/stability.md"
+#define FILTERS     "developers/theory.md#7-filters"
+#define SOLVERS     "developers/theory.md#13-linear-solvers"
+#define STABILITY   "developers/results/stability.md"
 
 const RegimeTable RegimeTables[REGIMES] = {
-    [REGIME_SCHEME]     = {"-scheme", NUMBER_SURFACE, "theory.md#158-projection", PETSC_FALSE,
-                           ROWS(schemes)},
+    [REGIME_SCHEME]     = {"-scheme", NUMBER_SURFACE, "developers/theory.md#158-projection",
+                           PETSC_FALSE, ROWS(schemes)},
     [REGIME_POINTS]     = {"-pressure_points", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(points)},
     [REGIME_KERNEL]     = {"-h_over_dx", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(kernels)},
     [REGIME_FILTER_U]   = {"-velocity_filter", NUMBER_CELL, FILTERS, PETSC_TRUE, ROWS(filters_u)},
     [REGIME_FILTER_P]   = {"-ppe_filter", NUMBER_COURANT, MEASURED, PETSC_TRUE, ROWS(filters_p)},
     [REGIME_SHEAR]      = {"-velocity_filter across a shear", NUMBER_CELL, FILTERS, PETSC_FALSE,
                            ROWS(shears)},
-    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_CONTRAST, "results/fluids.md", PETSC_FALSE,
-                           ROWS(laplacians)},
+    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_CONTRAST, "developers/results/fluids.md",
+                           PETSC_FALSE, ROWS(laplacians)},
     [REGIME_CORRECTION] = {"-correction", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(corrections)},
-    [REGIME_WALL]       = {"-wall", NUMBER_NONE, "results/walls.md", PETSC_FALSE, ROWS(walls)},
-    [REGIME_SHIFT]      = {"-shift", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(shifts)},
+    [REGIME_WALL] = {"-wall", NUMBER_NONE, "developers/results/walls.md", PETSC_FALSE, ROWS(walls)},
+    [REGIME_SHIFT]          = {"-shift", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(shifts)},
     [REGIME_SHIFT_STRENGTH] = {"-shift_strength", NUMBER_NONE, MEASURED, PETSC_FALSE,
                                ROWS(strengths)},
     [REGIME_DT_ADAPT]       = {"-dt_adapt", NUMBER_NONE, "howto/time-steps.md", PETSC_FALSE,
                                ROWS(controls)},
-    [REGIME_COURANT]        = {"-cfl", NUMBER_NONE, "theory.md#12-fixed-particles", PETSC_FALSE,
-                               ROWS(courants)},
-    [REGIME_GRADIENT]       = {"-coupled_gradient", NUMBER_NONE, "theory.md#157-coupled-system",
-                               PETSC_FALSE, ROWS(gradients)},
+    [REGIME_COURANT] = {"-cfl", NUMBER_NONE, "developers/theory.md#12-fixed-particles", PETSC_FALSE,
+                        ROWS(courants)},
+    [REGIME_GRADIENT] = {"-coupled_gradient", NUMBER_NONE,
+                         "developers/theory.md#157-coupled-system", PETSC_FALSE, ROWS(gradients)},
     [REGIME_VISC_PC] = {"-visc_pc_type", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE, ROWS(viscous_pcs)},
     [REGIME_VISC_RTOL]    = {"-visc_ksp_rtol", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE,
                              ROWS(viscous_rtols)},
