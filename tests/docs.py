@@ -7,6 +7,7 @@
     docs.py quoted ISPH PAGE...       the same, but runs only the commands of `console` blocks
     docs.py remake ISPH PAGE...       writes the output of the commands into the pages
     docs.py words                     users' pages are short: all together, and limits.md
+    docs.py limits                    writes the table of docs/limits.md from docs/limits.csv and the #TEST lines of options/
     docs.py code                      prints the C code of the how-tos as a single file, to be compiled
 
 A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
@@ -22,6 +23,7 @@ message.
 Output that is shown is compared word by word. Numbers may differ by 2 %, by two units of the last digit or by 1e-6, and
 by any amount in lines with times of the computer or about a flow that diverged.
 """
+import csv
 import glob
 import os
 import re
@@ -182,6 +184,7 @@ def links():
     faults = [fault for page in pages() for kind in (link_faults, python_faults, message_faults) for fault in kind(page)]
     faults += [fault for page in pages() if not page.startswith("docs/developers/results/") for fault in option_faults(page, names)]
     faults += unanswered()
+    faults += ["docs/limits.md is not that of docs/limits.csv"] if limits(False) else []
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)
 
@@ -196,6 +199,53 @@ def words():
     total, limits = sum(users.values()), users.get("docs/limits.md", 0)
     print(f"{total} words in {len(users)} pages of users, of at most {WORDS}; limits.md has {limits}, of at most 1500")
     return total > WORDS or limits > 1500
+
+
+# ---- limits ----
+
+
+def held(test):
+    """Returns the tolerance and n of the first -check_ of a #TEST line, NAME_TEST of options/NAME.opts."""
+    for path in glob.glob(os.path.join(ROOT, "options", "*.opts")):
+        name = os.path.basename(path)[: -len(".opts")]
+        if not test.startswith(name + "_"):
+            continue
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        line = re.search(rf"^#TEST {re.escape(test[len(name) + 1:])}( .*)$", text, re.M)
+        if line:
+            quantity, tolerance = re.search(r" -check_(\w+) (\S+)", line.group(1)).groups()
+            n = re.search(r" -n (\d+)", line.group(1)) or re.search(r"^-n (\d+)", text, re.M)
+            return f"`{quantity}` {100 * float(tolerance):g} %" + (f" ({n.group(1)})" if n else "")
+    raise SystemExit(f"docs/limits.csv: no test {test} with a tolerance in options/")
+
+
+def limits_table():
+    """Returns the table of docs/limits.md."""
+    lines, group = ["| flow | trust | error | n | test | what to do |", "| --- | --- | --- | --- | --- | --- |"], None
+    with open(os.path.join(ROOT, "docs", "limits.csv"), newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["group"] != group:
+                group = row["group"]
+                lines.append(f"| **{group}** | | | | | |")
+            page, _, anchor = row["details"].partition("#")
+            page = ("" if page.startswith("howto") else "developers/") + page + ".md" + ("#" + anchor if anchor else "")
+            test = held(row["test"]) if row["test"] else ""
+            lines.append(f"| [{row['flow']}]({page}) | {row['trust']} | {row['error']} | {row['n']} | {test} | {row['advice']} |")
+    return "\n".join(lines) + "\n"
+
+
+def limits(write):
+    """Writes the table of docs/limits.md, or returns True if the page has another one."""
+    page = read("docs/limits.md")
+    begin, end = page.index("<!-- table -->") + len("<!-- table -->\n"), page.index("<!-- end -->")
+    if write:
+        with open(os.path.join(ROOT, "docs", "limits.md"), "w", encoding="utf-8") as file:
+            file.write(page[:begin] + limits_table() + page[end:])
+    elif page[begin:end] != limits_table():
+        print("docs/limits.md: its table is not that of docs/limits.csv; docs.py limits writes it")
+        return True
+    return False
 
 
 # ---- commands ----
@@ -446,6 +496,8 @@ def code():
 def main():
     if sys.argv[1:] == ["links"]:
         sys.exit(links())
+    if sys.argv[1:] == ["limits"]:
+        sys.exit(limits(True))
     if sys.argv[1:] == ["words"]:
         sys.exit(words())
     if sys.argv[1:] == ["code"]:
