@@ -196,7 +196,7 @@ def words():
              page.startswith("docs/") and not page.startswith("docs/developers/")}
     for page, count in sorted(users.items(), key=lambda pair: pair[1]):
         print(f"{count:6} {page}")
-    total, limits = sum(users.values()), users.get("docs/limits.md", 0)
+    total, limits = sum(users.values()), users["docs/limits.md"]
     print(f"{total} words in {len(users)} pages of users, of at most {WORDS}; limits.md has {limits}, of at most 1500")
     return total > WORDS or limits > 1500
 
