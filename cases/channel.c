@@ -4,7 +4,7 @@
 */
 #include "cases.h"
 
-/* ChannelSetup - Sets the box of a plane channel; not collective */
+/* ChannelSetup - Sets the box of a plane channel */
 PetscErrorCode ChannelSetup(Scene *scene)
 {
   PetscFunctionBegin;

@@ -17,8 +17,7 @@ PetscErrorCode MeasureExact(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VelocityExact - Computes the velocity of the exact solution, for cases that start from it; not
-   collective */
+/* VelocityExact - Computes the velocity of the exact solution, for cases that start from it */
 void VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
 {
   PetscReal p;

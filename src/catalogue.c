@@ -47,7 +47,7 @@ const OptionTable *const CatalogueOptions[] = {
     &ReportOptions,         &ProgressOptions,   &CheckpointOptions,
     &PatchOptions,          &SolverOptions,     NULL};
 
-/* CatalogueTable - Returns table k of named rows, NULL after the last; not collective */
+/* CatalogueTable - Returns table k of named rows, NULL after the last */
 const Table *CatalogueTable(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(tables) ? tables[k] : NULL;

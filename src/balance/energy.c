@@ -18,8 +18,8 @@
 #define LOST     2.0  /* energy of a flow that is lost over the most that it can have [-] */
 #define ROUNDING 1e-6 /* speed of a fluid at rest [U] */
 
-/* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is
-   `path` [m], over the mass of a particle of weight 1 [m^2/s^2]; not collective */
+/* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is `path`
+   [m], over the mass of a particle of weight 1 [m^2/s^2] */
 PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
 {
   const Particles *p    = flow->particles;

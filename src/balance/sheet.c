@@ -96,9 +96,9 @@ const BalanceRow BalanceRows[BALANCES] = {
         },
 };
 
-/* BalanceSet - Sets a row of the sheet, which applies from now on; not collective. Input:
-   residual - of any sign, relative to its scale; value - the part of it that its own error does
-   not explain, positive or zero [-]; t - its time [s]. */
+/* BalanceSet - Sets a row of the sheet, which applies from now on. Input: residual - of any sign,
+   relative to its scale; value - the part of it that its own error does not explain, positive or
+   zero [-]; t - its time [s]. */
 void BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal t,
                 BalanceSheet *sheet)
 {
@@ -111,8 +111,8 @@ void BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal
 /*
   BalanceWorst - Finds the row of the balance sheet with the largest value over its bound
 
-  Not collective; the same on all ranks. Rows of steps are known after each step, rows of boundaries
-  after the measurement of a report.
+  The same on all ranks. Rows of steps are known after each step, rows of boundaries after the
+  measurement of a report.
 
   Output Parameters:
 + name  - of the row in the report

@@ -249,8 +249,8 @@ PetscErrorCode FlowCheck(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRemember - Adds what steps measure to the memory of the run, which undo and checkpoints save;
-   not collective */
+/* FlowRemember - Adds what steps measure to the memory of the run, which undo and checkpoints
+   save */
 PetscErrorCode FlowRemember(Flow *flow)
 {
   Scheme       *s      = flow->scheme;
@@ -285,10 +285,10 @@ PetscErrorCode FlowRemember(Flow *flow)
 /*
   UnevennessReport - Adds the unevenness to the figures of the scheme
 
-  Not collective. It is the largest root mean square of C - 1 so far, with the concentration C of
-  particles that shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too
-  long for the strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, and by
-  more than 2.5 % from 0.2 on.
+  It is the largest root mean square of C - 1 so far, with the concentration C of particles that
+  shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too long for the
+  strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, and by more than 2.5 %
+  from 0.2 on.
 */
 PetscErrorCode UnevennessReport(Flow *flow)
 {

@@ -88,12 +88,8 @@ static const char *ErrorHint(PetscErrorCode code, PetscBool of_solver)
   }
 }
 
-/*
-  ErrorPrint - Prints a message and a hint in a single line on standard error
-
-  Not collective. A line break or another control character in a value that the message quotes is
-  printed as \n or \x01.
-*/
+/* ErrorPrint - Prints a message and a hint in a single line on standard error. A line break or
+   another control character in a value that the message quotes is printed as \n or \x01. */
 void ErrorPrint(const char message[], const char hint[])
 {
   (void)fputs("isph: ", stderr);
@@ -131,13 +127,9 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   return code;
 }
 
-/*
-  ErrorsInstall - Installs an error handler that prints errors of the user as single lines
-
-  Not collective. Called once after PetscInitialize(). The run ends without a message if the program
-  that reads its output ends first, as in `isph | head`. Output: state - must exist until
-  ErrorsExit().
-*/
+/* ErrorsInstall - Installs an error handler that prints errors of the user as single lines. Called
+   once after PetscInitialize(). The run ends without a message if the program that reads its output
+   ends first, as in `isph | head`. Output: state - must exist until ErrorsExit(). */
 PetscErrorCode ErrorsInstall(ErrorState *state)
 {
   PetscFunctionBegin;
@@ -164,11 +156,8 @@ PetscErrorCode FirstRankDecides(PetscBool *verdict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SayLine - Prints a message during a run, on a line of its own below an unfinished progress line
-
-  Not collective; the first rank prints.
-*/
+/* SayLine - Prints a message during a run, on a line of its own below an unfinished progress line.
+   The first rank prints. */
 PetscErrorCode SayLine(const char format[], ...)
 {
   PetscMPIInt rank;

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* FileIsOrdinary - Returns true if a path is free or names a regular file; not collective */
+/* FileIsOrdinary - Returns true if a path is free or names a regular file */
 PetscBool FileIsOrdinary(const char path[])
 {
   struct stat status;
@@ -15,8 +15,7 @@ PetscBool FileIsOrdinary(const char path[])
   return lstat(path, &status) || S_ISREG(status.st_mode);
 }
 
-/* FileIsReadable - Returns true if a path is free or leads, through links, to a regular file; not
-   collective */
+/* FileIsReadable - Returns true if a path is free or leads, through links, to a regular file */
 PetscBool FileIsReadable(const char path[])
 {
   struct stat status;
@@ -35,7 +34,7 @@ static void EndLastLine(FILE *stream)
 }
 
 /* FileOpen - Opens a regular file as fopen() does, and to append begins a new line; returns NULL
-   for others; not collective */
+   for others */
 FILE *FileOpen(const char path[], const char mode[])
 {
   const PetscBool adds   = mode[0] == 'a';
@@ -45,8 +44,7 @@ FILE *FileOpen(const char path[], const char mode[])
   return stream;
 }
 
-/* FileReplace - Renames a file over a regular file or a free path; returns false on failure; not
-   collective */
+/* FileReplace - Renames a file over a regular file or a free path; returns false on failure */
 PetscBool FileReplace(const char part[], const char path[])
 {
   return FileIsOrdinary(path) && !rename(part, path);
@@ -104,7 +102,7 @@ PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[])
 }
 
 /* PathBesideProgram - Makes the path of a file from its place relative to the directory of the
-   running program; "" if this directory is unknown; not collective */
+   running program; "" if this directory is unknown */
 PetscErrorCode PathBesideProgram(const char relative[], char path[PETSC_MAX_PATH_LEN])
 {
   char          program[PETSC_MAX_PATH_LEN], *slash;

@@ -43,8 +43,7 @@ static const char *const settings[][2] = {
     {"HWLOC_PLUGINS_PATH", "/dev/null"}, /* nor for the programs that search for them */
 };
 
-/* HasLauncher - Returns true if a launcher such as mpiexec has started the program; not
-   collective */
+/* HasLauncher - Returns true if a launcher such as mpiexec has started the program */
 PetscBool HasLauncher(void)
 {
   for (char **variable = environ; variable && *variable; variable++) {
@@ -54,7 +53,6 @@ PetscBool HasLauncher(void)
   return PETSC_FALSE;
 }
 
-/* Returns the folder of temporary files. */
 static const char *TemporaryFolder(void)
 {
   static const char *const names[] = {"OMPI_MCA_orte_tmpdir_base", "TMPDIR", "TEMP", "TMP"};
@@ -81,12 +79,9 @@ static void NameFolder(void)
   if (length < (int)sizeof(path)) (void)setenv("OMPI_MCA_orte_jobfam_session_dir", path, 0);
 }
 
-/*
-  PrepareMpi - Restricts the start of MPI: to no locks that the computer shares, and without a
-  launcher to the parts that a single rank uses
-
-  Not collective; called before MPI_Init(). Variables that the user has set stay.
-*/
+/* PrepareMpi - Restricts the start of MPI: to no locks that the computer shares, and without a
+   launcher to the parts that a single rank uses. Called before MPI_Init(). Variables that the user
+   has set stay. */
 void PrepareMpi(void)
 {
   /* It locks each file by a semaphore of the computer with the file's name, whatever its folder:

@@ -6,22 +6,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/*
-  TableGet - Returns the name, the brief and the citation of row k, with which every row begins
-
-  Not collective. Input: k - at least 0, less than table->count.
-*/
+/* TableGet - Returns the name, the brief and the citation of row k, with which every row begins.
+   Input: k - at least 0, less than table->count. */
 const TableRow *TableGet(const Table *table, PetscInt k)
 {
   if (!table->row_size) return ((const TableRow *const *)table->rows)[k];
   return (const TableRow *)(const void *)((const char *)table->rows + (size_t)k * table->row_size);
 }
 
-/*
-  TableFind - Finds the row with a given name; capitals and small letters are equal
-
-  Not collective. Output: row - NULL if the table has no such name.
-*/
+/* TableFind - Finds the row with a given name; capitals and small letters are equal. Output: row -
+   NULL if the table has no such name. */
 PetscErrorCode TableFind(const Table *table, const char name[], const TableRow **row)
 {
   PetscFunctionBegin;
@@ -35,9 +29,8 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TextAppend - Appends to a text as far as there is room in its `size` characters; not collective.
-   PETSc 3.18's own function counts the room from the beginning of the text, and writes beyond its
-   end. */
+/* TextAppend - Appends to a text as far as there is room in its `size` characters. PETSc 3.18's own
+   function counts the room from the beginning of the text, and writes beyond its end. */
 void TextAppend(char text[], size_t size, const char more[])
 {
   const size_t length = strlen(text);
@@ -45,21 +38,16 @@ void TextAppend(char text[], size_t size, const char more[])
   if (length + 1 < size) (void)snprintf(text + length, size - length, "%s", more);
 }
 
-/* AppendWord - Appends a word to a list, "a, b, c", as far as there is room; not collective */
+/* AppendWord - Appends a word to a list, "a, b, c", as far as there is room */
 void AppendWord(char list[], size_t size, const char word[])
 {
   if (list[0]) TextAppend(list, size, ", ");
   TextAppend(list, size, word);
 }
 
-/*
-  TableWant - Finds the row with a given name, which must exist
-
-  Not collective. Input: option - the option that gave the name, for messages. Output: row - address
-  of a pointer to the row, which may have any row type.
-
-  Errors: an unknown name ends the run with a list of known names
-*/
+/* TableWant - Finds the row with a given name, which must exist. Input: option - the option that
+   gave the name, for messages. Output: row - address of a pointer to the row, which may have any
+   row type. */
 PetscErrorCode TableWant(const Table *table, const char option[], const char name[], void *row)
 {
   char            names[1024] = "";

@@ -7,8 +7,6 @@
 /*
   DenseCholesky - Factors a symmetric positive definite matrix in place
 
-  Not collective.
-
   Input/Output Parameter:
 . a - n x n matrix by rows, of which the lower triangle is read; out: L with L L^T = a, the diagonal
       of L replaced by its inverse
@@ -38,8 +36,8 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 /*
   DenseCholeskyRidge - Factors a symmetric matrix plus a multiple of the unit matrix
 
-  Not collective. Tries the multiples ridge, 100 ridge, ... of the trace until the sum is positive
-  definite. A matrix with NaN or infinity gives no valid factor.
+  Tries the multiples ridge, 100 ridge, ... of the trace until the sum is positive definite. A
+  matrix with NaN or infinity gives no valid factor.
 
   Input Parameters:
 + a     - n x n by rows
@@ -111,8 +109,6 @@ static ISPH_INLINE void Eliminate(PetscInt n, PetscReal A[], PetscInt rows, Pets
   DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
   with pivoting
 
-  Not collective.
-
   Input/Output Parameters:
 + A - n x n by rows; out: D on the diagonal, with zeros if A is singular
 - B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q
@@ -123,11 +119,8 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
   else Eliminate(n, A, rows, B);
 }
 
-/*
-  MomentWeights - Computes the weights -V_k W'/r of the moment matrix M = sum_k V_k (grad_i W) X^T
-
-  Not collective. Input: walls - false: the weights of wall neighbours are zero
-*/
+/* MomentWeights - Computes the weights -V_k W'/r of the moment matrix M = sum_k V_k (grad_i W) X^T.
+   Input: walls - false: the weights of wall neighbours are zero. */
 ISPH_WIDE void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weight[])
 {
   const PetscInt n = LanesPadded(st->n);
@@ -140,8 +133,6 @@ ISPH_WIDE void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weigh
   MomentInverse - Inverts a second moment matrix of a stencil
 
     M_ab = sum_k weight_k X_a X_b
-
-  Not collective.
 
   Input Parameter:
 . weight - weight of each neighbour; for the corrected kernel gradient those of MomentWeights()

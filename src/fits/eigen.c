@@ -5,8 +5,6 @@
 /*
   DenseEigen - Solves K V = M V diag(lambda), V^T M V = 1, for n x n matrices
 
-  Not collective.
-
   Input Parameters:
 + K, M - symmetric, M positive definite; destroyed
 

@@ -205,9 +205,9 @@ static PetscInt FindBeyond(const Particles *p, const PetscReal x[], PetscInt cou
 
     offset + normal.(y - x) = 0,   positive in plane->fluid[0], negative in plane->fluid[1]
 
-  Not collective. A fit over the particles within 2.5 dx that see the same interface as the one
-  to which x is nearest: exact for straight interfaces, however the particles lie and however thin
-  a fluid is between two of them; of second order for curved ones.
+  A fit over the particles within 2.5 dx that see the same interface as the one to which x is
+  nearest: exact for straight interfaces, however the particles lie and however thin a fluid is
+  between two of them; of second order for curved ones.
 
   Input Parameters:
 + p     - the particles
@@ -419,7 +419,7 @@ PetscErrorCode InterfacesFollow(Particles *p, const Neighbors *nb)
 }
 
 /* InterfaceSlip - Changes the distance of particle i by a displacement against the fluid, `slip`
-   [m]; no particle crosses an interface; not collective */
+   [m]; no particle crosses an interface */
 void InterfaceSlip(Particles *p, PetscInt i, const PetscReal slip[])
 {
   PetscReal d = p->interface[i];

@@ -75,8 +75,6 @@ static ISPH_WIDE void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[]
 
   with the shape w and the factor sigma_d of the kernel's row, d = dim
 
-  Not collective.
-
   Input Parameters:
 + dim - 1, 2 or 3
 . h   - smoothing length [m]
@@ -107,7 +105,7 @@ ISPH_WIDE void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscRea
 }
 
 /* KernelEvaluate - Computes W, dW/dr and d2W/dr2 at distance r, as KernelEvaluateAll(), and zeros
-   beyond the support; not collective */
+   beyond the support */
 void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r, PetscReal w[3])
 {
   w[0] = w[1] = w[2] = 0.0;

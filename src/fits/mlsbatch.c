@@ -18,7 +18,7 @@ struct MlsBatch {
   Four     *s[ISPH_MAX_DIM];                 /* offsets of neighbours over the radius */
   Four     *W, *row[ROWS];                   /* weights of neighbours in the fit and in the rows */
   Four      x[ROWS][MLS_MAX_TERMS], per_sum; /* solutions for the rows; factor of the filter */
-  PetscBool rows; /* all rows are needed, not only that of the Laplacian */
+  PetscBool rows;                            /* all rows are needed, not the Laplacian alone */
 };
 
 /* The systems of a batch. */
@@ -67,8 +67,7 @@ static void SetProducts(PetscInt degree, MlsBatch *b)
   }
 }
 
-/* MlsBatchCreate - Creates the workspace of a batch of particles in `dim` dimensions; not
-   collective */
+/* MlsBatchCreate - Creates the workspace of a batch of particles in `dim` dimensions */
 PetscErrorCode MlsBatchCreate(PetscInt dim, MlsBatch **batch)
 {
   PetscFunctionBegin;
@@ -87,7 +86,7 @@ static PetscErrorCode BatchFree(MlsBatch *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MlsBatchDestroy - Frees the workspace; not collective */
+/* MlsBatchDestroy - Frees the workspace */
 PetscErrorCode MlsBatchDestroy(MlsBatch **batch)
 {
   PetscFunctionBegin;
@@ -286,8 +285,8 @@ static PetscBool HasValuesOnly(const Stencil *st)
 /*
   MlsFitBatch - Computes the rows of the fits of several particles
 
-  Not collective. Skips particles with neighbours that give derivatives or nothing, and those whose
-  neighbours do not determine the fit: their rows are computed when a row function asks for them.
+  Skips particles with neighbours that give derivatives or nothing, and those whose neighbours do
+  not determine the fit: their rows are computed when a row function asks for them.
 
   Input Parameters:
 + degree - of the fits, 2 to 4

@@ -8,8 +8,8 @@
 
 #define LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
 
-/* NearestTakesMore - Returns true if a fit of `wanted` particles needs more; not collective. Input:
-   more - there are more; sum - of the absolute weights, infinity without a fit. */
+/* NearestTakesMore - Returns true if a fit of `wanted` particles needs more. Input: more - there
+   are more; sum - of the absolute weights, infinity without a fit. */
 PetscBool NearestTakesMore(PetscInt least, PetscInt wanted, PetscBool more, PetscReal sum)
 {
   return more && sum > LARGEST_SUM && wanted < NEAREST_TIMES * least;
@@ -42,8 +42,6 @@ static PetscReal SumOfWeights(PetscInt m, PetscInt i, const NearestFits *f)
 
 /*
   NearestFitsCompute - Computes fits at the points of a group, of `least` particles or more
-
-  Not collective.
 
   Input Parameters:
 + degree - of the fits

@@ -73,8 +73,6 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
 /*
   PointFits - Computes the weights w_k of f(x_i) = sum_k w_k f_k at the m = 2^dim points i at once
 
-  Not collective.
-
   Input Parameters:
 + n - most neighbours of a point
 . s - their offsets (x_k - x_i)/R, at most 1 in length: s[a][k m + i] [-]
@@ -167,8 +165,6 @@ static ISPH_INLINE PetscBool PointFitInline(PetscInt dim, PetscInt degree, Petsc
 /*
   PointFit - Computes the weights of f and of R df/dx_a at a point, f = sum_k w[0]_k f_k and
   R df/dx_a = sum_k w[1 + a]_k f_k
-
-  Not collective.
 
   Input Parameters:
 + n      - number of neighbours, a multiple of 4; those of the weight zero fill it up
@@ -329,7 +325,7 @@ static ISPH_INLINE PetscBool VectorFitInline(PetscInt dim, PetscInt degree,
 
     sum_k W_k |u_k - fit(X_k)|^2 + sum_w W_w (n.(u_w - fit(X_w)))^2 -> min
 
-  with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls(). Not collective.
+  with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls().
 
   Input Parameters:
 + n      - number of neighbours, a multiple of 4; those of the weight zero fill it up

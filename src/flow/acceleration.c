@@ -210,7 +210,7 @@ PetscErrorCode AccelerationRegister(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AccelerationRemember - Adds the error in time to the memory of the run; not collective */
+/* AccelerationRemember - Adds the error in time to the memory of the run */
 PetscErrorCode AccelerationRemember(Flow *flow)
 {
   Acceleration *acceleration = &flow->state->acceleration;

@@ -173,7 +173,7 @@ PetscErrorCode ConvectionTurn(const Flow *flow, PetscReal t, PetscReal scale, co
 }
 
 /* FlowConvective - Computes the convective term of fixed particles at x from the velocity and its
-   gradient du_a/dx_b at [a dim + b]; zero if particles move [m/s^2]; not collective */
+   gradient du_a/dx_b at [a dim + b]; zero if particles move [m/s^2] */
 void FlowConvective(const Flow *flow, const PetscReal x[], const PetscReal u[], const PetscReal A[],
                     PetscReal N[])
 {

@@ -16,7 +16,7 @@ static PetscErrorCode RegisterEvents(FlowState *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowStateCreate - Creates the state; not collective */
+/* FlowStateCreate - Creates the state */
 PetscErrorCode FlowStateCreate(Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -156,7 +156,7 @@ PetscErrorCode FlowGetWork(Flow *flow, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRestoreWork - Takes back a vector of FlowGetWork() and sets v to NULL; not collective */
+/* FlowRestoreWork - Takes back a vector of FlowGetWork() and sets v to NULL */
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v)
 {
   FlowState *s = flow->state;

@@ -17,8 +17,7 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 }
 
 /* SurfaceStep - Returns SURFACE_STIFFNESS dx^2/nu for the largest viscosity, the step above which
-   flows with a free surface have the coupled scheme by default; infinity without one [s]; not
-   collective */
+   flows with a free surface have the coupled scheme by default; infinity without one [s] */
 PetscReal SurfaceStep(const Scene *scene)
 {
   return SceneHasFreeSurface(scene) && SceneHas(scene, PHYSICS_VISCOSITY)
@@ -30,9 +29,9 @@ PetscReal SurfaceStep(const Scene *scene)
   ProjectionFreeLimit - Returns the step of the projection with a free surface, 0.1 dx^2/nu;
   infinity without one, and with a viscosity that varies [s]
 
-  Not collective. Steps up to 0.5 dx^2/nu are stable, but thin films lose accuracy: docs/tried.md.
-  With a viscosity that varies, rows beside the surface have pair forces without the pressure of u*:
-  a Bingham column (options/heap.opts) was stable in steps of 80 dx^2/nu.
+  Steps up to 0.5 dx^2/nu are stable, but thin films lose accuracy: docs/tried.md. With a viscosity
+  that varies, rows beside the surface have pair forces without the pressure of u*: a Bingham column
+  (options/heap.opts) was stable in steps of 80 dx^2/nu.
 */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {
@@ -51,10 +50,10 @@ static PetscReal WaveStep(PetscReal viscous, PetscReal square)
 
     dt = t_v + sqrt(t_v^2 + t_c^2),   t_c^2 = rho dx^3/(4 pi sigma),   t_v = mu dx/(4 sigma)
 
-  Not collective. The pressure sigma kappa belongs to the positions at which the step solves for the
-  velocity. t_c bounds capillary waves of inertia, t_v those that viscosity slows. For small
-  displacements steps are stable up to about ten times this limit: docs/theory.md, (165). Surfaces
-  whose particles are disordered by large displacements need shorter steps.
+  The pressure sigma kappa belongs to the positions at which the step solves for the velocity. t_c
+  bounds capillary waves of inertia, t_v those that viscosity slows. For small displacements steps
+  are stable up to about ten times this limit: docs/theory.md, (165). Surfaces whose particles are
+  disordered by large displacements need shorter steps.
 
   Reference: C. Galusinski, P. Vigneaux, J. Comput. Phys. 227 (2008) 6140-6164
 */
@@ -75,8 +74,8 @@ PetscReal CapillaryLimit(const Scene *scene)
     tension   t_c^2 = (rho_a + rho_b) dx^3/(4 pi sigma),    t_v = mu dx/(4 sigma)
     weight    t_c^2 = (rho_a + rho_b) dx/(pi |rho_a - rho_b| f),   t_v = mu/(|rho_a - rho_b| f dx)
 
-  Not collective. As in CapillaryLimit(); the lightest pair of fluids and the least viscosity mu
-  count. The weight is that of gravity waves as long as two particles.
+  As in CapillaryLimit(); the lightest pair of fluids and the least viscosity mu count. The weight
+  is that of gravity waves as long as two particles.
 */
 PetscReal InterfaceLimit(const Scene *scene)
 {
@@ -131,13 +130,12 @@ static PetscReal BodySpeed(const Scene *scene, PetscReal t)
 
     dt <= C dx/U,   dt <= C/(g |(u_a/e_a)_i|),   dt <= max(sqrt(C e/|f|), C e r/|f|)
 
-  Not collective. C is the CFL number, dx the reference spacing, e_a the edges of the cell of a
-  particle, e the smallest of all edges, and f the body force. g = 1, or g = max(m, 1 - m) for
-  graded particles that move with the factor m of SceneMotionFactor(). A force alone moves a
-  particle by f dt^2 in a step, or by f dt/r if walls at rest slow the flow at the rate r
-  (SceneDecayRate()); so very viscous flows need no short steps. With -dt_adapt none only the
-  reference speed U is used. With -dt_adapt error a period of walls or forces takes at least
-  PERIOD_STEPS steps. -dt_max bounds all steps.
+  C is the CFL number, dx the reference spacing, e_a the edges of the cell of a particle, e the
+  smallest of all edges, and f the body force. g = 1, or g = max(m, 1 - m) for graded particles that
+  move with the factor m of SceneMotionFactor(). A force alone moves a particle by f dt^2 in a step,
+  or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so very viscous
+  flows need no short steps. With -dt_adapt none only the reference speed U is used. With -dt_adapt
+  error a period of walls or forces takes at least PERIOD_STEPS steps. -dt_max bounds all steps.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {

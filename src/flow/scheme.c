@@ -26,8 +26,8 @@ PetscErrorCode SchemeChooseStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchemeAddFigure - Adds a number to the report of the run; not collective. figure.value must exist
-   as long as the scheme. */
+/* SchemeAddFigure - Adds a number to the report of the run. figure.value must exist as long as the
+   scheme. */
 PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *s)
 {
   PetscFunctionBegin;
@@ -37,11 +37,8 @@ PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SchemeAddSolve - Adds a linear solve to the list for banner, report, progress and checkpoints
-
-  Not collective. Input: solve - must exist as long as the scheme.
-*/
+/* SchemeAddSolve - Adds a linear solve to the list for banner, report, progress and checkpoints.
+   Input: solve - must exist as long as the scheme. */
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *s)
 {
   char name[4][32];

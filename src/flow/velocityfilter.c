@@ -44,7 +44,7 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
 }
 
 /* VelocityFilterActsOnShear - Returns true if the filter damps disturbances across a shear, see
-   VelocityFilter(); not collective */
+   VelocityFilter() */
 PetscBool VelocityFilterActsOnShear(const Flow *flow)
 {
   Regime *regime = flow->scene->regime;
@@ -59,15 +59,15 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
     u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
     D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
 
-  Not collective. |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the
-  residual of a quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at
-  which the flow can amplify disturbances in strain and rotation. In these D vanishes. In parallel
-  flow A A vanishes, and D is the shear rate times the projection on its direction: disturbances
-  across the flow, which take energy from the shear, are damped, and boundary layers, however thin,
-  keep their velocity. In a resolved flow the rate is U/L, and the filter is of order 3. A strength
-  below 1 is a share, above 1 it multiplies the rate; the regime decides on the last term
-  (`across`), which counts for a pressure on coarse points only. k in this term is bounded, so that
-  no component of r changes its sign. See docs/theory.md, (77) and (255).
+  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the residual of a
+  quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at which the flow can
+  amplify disturbances in strain and rotation. In these D vanishes. In parallel flow A A vanishes,
+  and D is the shear rate times the projection on its direction: disturbances across the flow, which
+  take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
+  a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
+  above 1 it multiplies the rate; the regime decides on the last term (`across`), which counts for a
+  pressure on coarse points only. k in this term is bounded, so that no component of r changes its
+  sign. See docs/theory.md, (77) and (255).
 
   Input Parameters:
 + A        - gradient of the velocity [1/s]
@@ -102,7 +102,7 @@ typedef struct {
   const PetscScalar *value[ISPH_MAX_DIM][AFFINE_MOST];
 } FilterFields;
 
-/* Computes the gradients of a velocity v, and with `residuals` those of its fits. */
+/* Computes the gradients of a velocity v, and with `residuals` the residuals of its fits. */
 static PetscErrorCode FieldsGet(Flow *flow, const Vec v[], PetscBool residuals, FilterFields *f)
 {
   const PetscInt  dim = flow->scene->dim;

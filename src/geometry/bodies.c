@@ -7,7 +7,7 @@
 #define POINTS 60.0 /* along the extent of a body, in the coarser of two sums of moments */
 
 /* BodySetBox - Sets the box around the outline of a body, infinite along axes along which it has no
-   end; not collective */
+   end */
 void BodySetBox(Body *body)
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
@@ -22,7 +22,7 @@ void BodySetBox(Body *body)
 }
 
 /* BodyNumbers - Sets a body from n numbers of its shape [m], which `store` will own; returns NULL
-   or a fault; not collective */
+   or a fault */
 const char *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal number[],
                         BodyStore *store, Body *body)
 {
@@ -39,12 +39,9 @@ const char *BodyNumbers(const ShapeRow *shape, PetscInt n, const PetscReal numbe
   return fault;
 }
 
-/*
-  BodyWithin - Returns the signed distance of x from the outline of a body, positive outside [m]
-
-  Not collective. A distance that is certainly larger than `most` may be returned as any number
-  larger than it, without a normal: first the distance from the box around the body is tried.
-*/
+/* BodyWithin - Returns the signed distance of x from the outline of a body, positive outside [m]. A
+   distance that is certainly larger than `most` may be returned as any number larger than it,
+   without a normal: first the distance from the box around the body is tried. */
 PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, PetscReal normal[])
 {
   const PetscReal sure = most + 1e-9 * body->extent; /* with the rounding of distances */
@@ -59,7 +56,7 @@ PetscReal BodyWithin(const Body *body, const PetscReal x[], PetscReal most, Pets
 }
 
 /* BodySpan - Computes the least and largest coordinate of a body along an axis [m]; of a body that
-   has turned, those of the box around it that turned with it; not collective */
+   has turned, those of the box around it that turned with it */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   PetscReal middle[ISPH_MAX_DIM] = {0.0}, reach = 0.0;
@@ -88,8 +85,7 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
   span[1] = middle[axis] + reach;
 }
 
-/* BodyReachesThrough - Returns true if a body has no surface across an axis: a prism, along z; not
-   collective */
+/* BodyReachesThrough - Returns true if a body has no surface across an axis: a prism, along z */
 PetscBool BodyReachesThrough(const Body *body, PetscInt axis)
 {
   const ShapeRow *shape = body->shape;
@@ -98,7 +94,7 @@ PetscBool BodyReachesThrough(const Body *body, PetscInt axis)
 }
 
 /* BodyLines - Computes the coordinates of the faces of a body across an axis [m]; returns their
-   number, 0 unless the axes are normal to all faces; not collective */
+   number, 0 unless the axes are normal to all faces */
 PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
 {
   const PetscInt   corners = body->n / 2;
@@ -119,10 +115,10 @@ PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
 /*
   BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
 
-  Not collective. Searches inwards in steps of dx/4 from surface points dx apart. The two surfaces
-  at the tip of a wedge count as opposite only if its angle is less than about 50 degrees. Input:
-  limit - largest distance of the search. Output: place - surface point at the least thickness.
-  Returns: limit if the body is nowhere thinner, and for bodies around the fluid.
+  Searches inwards in steps of dx/4 from surface points dx apart. The two surfaces at the tip of a
+  wedge count as opposite only if its angle is less than about 50 degrees. Input: limit - largest
+  distance of the search. Output: place - surface point at the least thickness. Returns: limit if
+  the body is nowhere thinner, and for bodies around the fluid.
 */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
                         PetscReal place[ISPH_MAX_DIM])
@@ -151,18 +147,15 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
   return thinnest;
 }
 
-/* BodyPoints - Returns the number of surface points dx apart; not collective */
+/* BodyPoints - Returns the number of surface points dx apart */
 PetscInt BodyPoints(const Body *body, PetscReal dx)
 {
   return body->shape->Count(body, dx);
 }
 
-/*
-  BodyPoint - Computes point k of the BodyPoints() points on the surface of a body
-
-  Not collective. Output: x - the point [m]; normal - into the fluid. Returns: the length of surface
-  that belongs to the point [m], its area in 3D [m^2].
-*/
+/* BodyPoint - Computes point k of the BodyPoints() points on the surface of a body. Output: x - the
+   point [m]; normal - into the fluid. Returns: the length of surface that belongs to the point [m],
+   its area in 3D [m^2]. */
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {
   PetscReal length;
@@ -205,12 +198,11 @@ static void Sum(const Body *body, PetscInt dim, const PetscReal about[], PetscRe
   BodyFindMoments - Computes the area or volume of a body as it was typed, its centroid and its
   second moments int x_i x_j dV about the centroid
 
-  Not collective. Two sums over points on the surface, of spacings h = extent/60 and h/2, are
-  extrapolated to h = 0: exact for polygons and boxes, of order 4 for smooth surfaces on which
-  points are on rings or curves; solids with edges where parts meet have an error of about
-  h/extent times the length of these edges in the extent. For solids that reach through the box
-  all is per length, in the plane. Output: moments; error - the difference of the sums of the
-  volume, in the volume.
+  Two sums over points on the surface, of spacings h = extent/60 and h/2, are extrapolated to h = 0:
+  exact for polygons and boxes, of order 4 for smooth surfaces on which points are on rings or
+  curves; solids with edges where parts meet have an error of about h/extent times the length of
+  these edges in the extent. For solids that reach through the box all is per length, in the plane.
+  Output: moments; error - the difference of the sums of the volume, in the volume.
 */
 void BodyFindMoments(const Body *body, BodyMoments *moments)
 {

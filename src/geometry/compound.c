@@ -177,7 +177,7 @@ static void JoinEnds(PetscReal extent, Curve piece[], PetscInt start, PetscInt *
   piece[start] = piece[--*kept];
 }
 
-/* Orders pieces as closed loops and joins those of one line; returns NULL or a fault. */
+/* Orders pieces as closed loops and joins pieces of one line; returns NULL or a fault. */
 static const char *Chain(PetscReal extent, PetscInt *count, Curve piece[])
 {
   const PetscInt n     = *count;
@@ -382,12 +382,8 @@ static const ShapeRow compound_solid = {
     .Point    = SolidPoint,
 };
 
-/*
-  BodyCompound - Sets a body from parts that are combined in their order: added ('+'), cut away
-  ('-'), or kept where both are ('&')
-
-  Not collective. Output: fault - NULL, or a message about the parts.
-*/
+/* BodyCompound - Sets a body from parts that are combined in their order: added ('+'), cut away
+   ('-'), or kept where both are ('&'). Output: fault - NULL, or a message about the parts. */
 PetscErrorCode BodyCompound(PetscInt parts, const Body part[], const char operation[], Body *body,
                             const char **fault)
 {

@@ -21,8 +21,7 @@ static PetscBool IsEven(const Curve *c)
   return c->from == c->to || PetscAbsReal(p - q) < ROUND * (p + q);
 }
 
-/* CurveAt - Computes the point at s, from 0 to 1 along a curve, and the derivative by s; not
-   collective */
+/* CurveAt - Computes the point at s, from 0 to 1 along a curve, and the derivative by s */
 void CurveAt(const Curve *c, PetscReal s, PetscReal x[2], PetscReal tangent[2])
 {
   const PetscReal turn = c->to - c->from, w = c->from + s * turn;
@@ -53,7 +52,7 @@ static PetscReal LengthFrom(const Curve *c, PetscInt node, PetscReal s)
   return sum;
 }
 
-/* CurvePlace - Returns s at a share of the length of a curve; not collective */
+/* CurvePlace - Returns s at a share of the length of a curve */
 PetscReal CurvePlace(const Curve *c, PetscReal share)
 {
   PetscReal low, high, s;
@@ -91,7 +90,7 @@ static void Measure(Curve *c)
   CurveAt(c, CurvePlace(c, 0.5), c->middle, t);
 }
 
-/* CurveLine - Returns a straight line; not collective */
+/* CurveLine - Returns a straight line */
 Curve CurveLine(const PetscReal a[2], const PetscReal b[2])
 {
   Curve c = {.a = {a[0], a[1]}, .b = {b[0], b[1]}};
@@ -100,7 +99,7 @@ Curve CurveLine(const PetscReal a[2], const PetscReal b[2])
   return c;
 }
 
-/* CurveArc - Returns an arc of an ellipse; not collective */
+/* CurveArc - Returns an arc of an ellipse */
 Curve CurveArc(const PetscReal centre[2], const PetscReal p[2], const PetscReal q[2],
                PetscReal from, PetscReal to)
 {
@@ -114,8 +113,7 @@ Curve CurveArc(const PetscReal centre[2], const PetscReal p[2], const PetscReal 
   return c;
 }
 
-/* CurvePart - Returns the part of a curve from one s to another, turned if `to` is less; not
-   collective */
+/* CurvePart - Returns the part of a curve from one s to another, turned if `to` is less */
 Curve CurvePart(const Curve *c, PetscReal from, PetscReal to)
 {
   const PetscReal turn = c->to - c->from;
@@ -133,10 +131,10 @@ Curve CurvePart(const Curve *c, PetscReal from, PetscReal to)
 
     x_i = e_i^2 y_i/(e_i^2 + t),   sum (e_i y_i/(e_i^2 + t))^2 = 1,   t > -e_m^2
 
-  Not collective. e_m is the shortest half axis, on the side of y. The sum decreases and is convex,
-  so that Newton's method from the left does not overshoot. If y_m = 0, y may be nearer to a point
-  with x_m > 0, at t = -e_m^2. Reference: D. Eberly, Distance from a point to an ellipse, an
-  ellipsoid, or a hyperellipsoid, Geometric Tools, 2013.
+  e_m is the shortest half axis, on the side of y. The sum decreases and is convex, so that Newton's
+  method from the left does not overshoot. If y_m = 0, y may be nearer to a point with x_m > 0, at t
+  = -e_m^2. Reference: D. Eberly, Distance from a point to an ellipse, an ellipsoid, or a
+  hyperellipsoid, Geometric Tools, 2013.
 */
 void EllipseFoot(PetscInt dim, const PetscReal e[], const PetscReal y[], PetscReal foot[])
 {
@@ -223,7 +221,7 @@ static PetscReal NearestInPart(const Curve *c, const PetscReal x[2])
 }
 
 /* CurveNearest - Returns the square of the distance of x from a curve, or any number larger than
-   `most` if it is larger [m^2]; not collective. Output: s - of the nearest point */
+   `most` if it is larger [m^2]. Output: s - of the nearest point */
 PetscReal CurveNearest(const Curve *c, const PetscReal x[2], PetscReal most, PetscReal *s)
 {
   const PetscReal r[2]   = {x[0] - c->c[0], x[1] - c->c[1]};
@@ -256,7 +254,7 @@ PetscReal CurveNearest(const Curve *c, const PetscReal x[2], PetscReal most, Pet
   return Square(c, x, *s);
 }
 
-/* BorderMake - Gives a body a border of n curves; not collective */
+/* BorderMake - Gives a body a border of n curves */
 PetscErrorCode BorderMake(PetscInt n, Body *body, Border **made)
 {
   Border *border;
@@ -273,8 +271,7 @@ PetscErrorCode BorderMake(PetscInt n, Body *body, Border **made)
 }
 
 /* BorderLoop - Finds the curves of a closed loop of a border, in which they follow each other;
-   returns their number, 0 if there is no such loop; not collective. Output: first - of the
-   curves */
+   returns their number, 0 if there is no such loop. Output: first - of the curves */
 PetscInt BorderLoop(const Border *border, PetscInt loop, PetscInt *first)
 {
   PetscInt from = 0, n = 0;
@@ -295,7 +292,7 @@ PetscInt BorderLoop(const Border *border, PetscInt loop, PetscInt *first)
 }
 
 /* BodyLoops - Returns the number of closed loops of the border of a body in the plane, or of the
-   outline of a prism; not collective */
+   outline of a prism */
 PetscInt BodyLoops(const Body *body)
 {
   PetscInt n = 0, first;
@@ -306,7 +303,7 @@ PetscInt BodyLoops(const Body *body)
 }
 
 /* BodyBorder - Returns the curves of a body in the plane, or of the outline of a prism; NULL for
-   shapes without curves; not collective */
+   shapes without curves */
 const Border *BodyBorder(const Body *body)
 {
   const ShapeRow *plane = body->shape->plane ? body->shape : body->shape->outline;
@@ -314,7 +311,7 @@ const Border *BodyBorder(const Body *body)
   return plane && plane->Point == BorderPoint ? (const Border *)body->data : NULL;
 }
 
-/* BorderSpan - Computes the least and largest coordinate of a border [m]; not collective */
+/* BorderSpan - Computes the least and largest coordinate of a border [m] */
 void BorderSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   const Border *border = (const Border *)body->data;
@@ -338,8 +335,8 @@ void BorderSpan(const Body *body, PetscInt axis, PetscReal span[2])
 }
 
 /* PartsDistance - Returns the distance from parts combined in their order: min(f, g) of a union,
-   max(f, -g) of a difference, max(f, g) of an intersection [m]; not collective. Its sign is right,
-   its size a lower bound. Output: normal - of the part that it is from */
+   max(f, -g) of a difference, max(f, g) of an intersection [m]. Its sign is right, its size a lower
+   bound. Output: normal - of the part that it is from */
 PetscReal PartsDistance(const Border *border, const PetscReal x[], PetscReal normal[])
 {
   PetscReal n[3] = {0.0}, d = 0.0;
@@ -355,12 +352,9 @@ PetscReal PartsDistance(const Border *border, const PetscReal x[], PetscReal nor
   return d;
 }
 
-/*
-  BorderDistance - Returns the distance of x from the nearest curve of a border [m], negative inside
-
-  Not collective. Inside is the solid of the parts, combined in their order. Output: normal - out of
-  the solid.
-*/
+/* BorderDistance - Returns the distance of x from the nearest curve of a border [m], negative
+   inside. Inside is the solid of the parts, combined in their order. Output: normal - out of the
+   solid. */
 PetscReal BorderDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   const Border *border = (const Border *)body->data;
@@ -385,7 +379,7 @@ PetscReal BorderDistance(const Body *body, const PetscReal x[], PetscReal normal
   return d;
 }
 
-/* BorderCount - Returns the number of points dx apart on a border; not collective */
+/* BorderCount - Returns the number of points dx apart on a border */
 PetscInt BorderCount(const Body *body, PetscReal dx)
 {
   const Border *border = (const Border *)body->data;
@@ -395,7 +389,7 @@ PetscInt BorderCount(const Body *body, PetscReal dx)
   return n;
 }
 
-/* BorderPoint - Computes point k of a border; returns the length of its part [m]; not collective */
+/* BorderPoint - Computes point k of a border; returns the length of its part [m] */
 PetscReal BorderPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {
   const Curve *c = ((const Border *)body->data)->curve;

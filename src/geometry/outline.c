@@ -68,7 +68,7 @@ static PetscErrorCode FromCurves(const Body *body, PetscInt loop, PetscReal spac
 }
 
 /* OutlineCreate - Computes the corners of a loop of BodyLoops() of a body in the plane, about
-   `spacing` apart on curves; not collective */
+   `spacing` apart on curves */
 PetscErrorCode OutlineCreate(const Body *body, PetscInt loop, PetscReal spacing,
                              const PetscReal shift[2], Outline *o)
 {
@@ -87,9 +87,9 @@ PetscErrorCode OutlineCreate(const Body *body, PetscInt loop, PetscReal spacing,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* BodyCorners - Computes the corners of the outline of a plane body with curves, or one that is
-   not where it was typed, as one polygon whose loops are joined by lines there and back; n = 0
-   for other bodies; the caller frees x; not collective */
+/* BodyCorners - Computes the corners of the outline of a plane body with curves, or one that is not
+   where it was typed, as one polygon whose loops are joined by lines there and back; n = 0 for
+   other bodies; the caller frees x */
 PetscErrorCode BodyCorners(const Body *body, PetscReal spacing, PetscInt *n, PetscReal **x)
 {
   const PetscReal none[2] = {0.0, 0.0};
@@ -116,13 +116,13 @@ PetscErrorCode BodyCorners(const Body *body, PetscReal spacing, PetscInt *n, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OutlineIsApart - Returns true if an outline has no part in a box; not collective */
+/* OutlineIsApart - Returns true if an outline has no part in a box */
 PetscBool OutlineIsApart(const Outline *o, const PetscReal lo[2], const PetscReal hi[2])
 {
   return o->lo[0] > hi[0] || o->lo[1] > hi[1] || o->hi[0] < lo[0] || o->hi[1] < lo[1];
 }
 
-/* OutlineFree - Frees an outline; not collective */
+/* OutlineFree - Frees an outline */
 PetscErrorCode OutlineFree(Outline *o)
 {
   PetscFunctionBegin;
@@ -292,9 +292,9 @@ static PetscErrorCode SetPieces(PetscInt n, Outline o[], PetscInt own, PetscBool
 /*
   OutlinesUnite - Sets the pieces of outlines on the border of the fluid: those in no other solid
 
-  Not collective. Outlines of a solid stand together. A line of several solids with the fluid on the
-  same side belongs to the first of them, and with the fluid on no side to none. The pieces of
-  outlines that meet form closed loops together, which share a box.
+  Outlines of a solid stand together. A line of several solids with the fluid on the same side
+  belongs to the first of them, and with the fluid on no side to none. The pieces of outlines that
+  meet form closed loops together, which share a box.
 */
 PetscErrorCode OutlinesUnite(PetscInt n, Outline o[])
 {

@@ -199,8 +199,8 @@ static void FillRings(const Body *body, SurfacePoints *points)
   }
 }
 
-/* Computes the least and largest coordinate of circles about the axis: of those of a capsule at the
-   ends of its line. */
+/* Computes the least and largest coordinate of circles about the axis, of a capsule at the ends of
+   its line. */
 static void RingsSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   const Solid    *solid = (const Solid *)body->data;

@@ -1,7 +1,7 @@
 /* Poses of bodies: places and attitudes, and the map between a body as typed and as it is now. */
 #include "isph/geometry.h"
 
-/* PoseStart - Sets the pose of a body as it was typed, at rest; not collective */
+/* PoseStart - Sets the pose of a body as it was typed, at rest */
 void PoseStart(const Body *body, Pose *pose)
 {
   *pose = (Pose){.turn = {1.0}};
@@ -16,7 +16,7 @@ static void Cross(const PetscReal a[], const PetscReal b[], PetscReal c[])
 }
 
 /* PoseTurn - Turns a direction of the body as typed to its present one, v + 2 q x (q x v + w v)
-   with the quaternion (w, q); or back; not collective */
+   with the quaternion (w, q); or back */
 void PoseTurn(const Pose *pose, PetscBool back, PetscReal v[ISPH_MAX_DIM])
 {
   const PetscReal w = back ? -pose->turn[0] : pose->turn[0];
@@ -28,7 +28,7 @@ void PoseTurn(const Pose *pose, PetscBool back, PetscReal v[ISPH_MAX_DIM])
   for (PetscInt a = 0; a < 3; a++) v[a] += 2.0 * second[a];
 }
 
-/* PoseInto - Moves a point as if its body were where it was typed; not collective */
+/* PoseInto - Moves a point as if its body were where it was typed */
 void PoseInto(const Body *body, PetscReal x[ISPH_MAX_DIM])
 {
   if (!body->pose) return;
@@ -37,7 +37,7 @@ void PoseInto(const Body *body, PetscReal x[ISPH_MAX_DIM])
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] += body->centre[a];
 }
 
-/* PoseOut - Moves a point of a body as typed to its present place; not collective */
+/* PoseOut - Moves a point of a body as typed to its present place */
 void PoseOut(const Body *body, PetscReal x[ISPH_MAX_DIM])
 {
   if (!body->pose) return;
@@ -46,8 +46,8 @@ void PoseOut(const Body *body, PetscReal x[ISPH_MAX_DIM])
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] += body->pose->x[a];
 }
 
-/* PoseRotate - Rotates a body about its centre by an angle about an axis, both in one vector [rad];
-   not collective */
+/* PoseRotate - Rotates a body about its centre by an angle about an axis, both in one vector
+   [rad] */
 void PoseRotate(const PetscReal angle[ISPH_MAX_DIM], Pose *pose)
 {
   PetscReal size = 0.0, by[4], *q = pose->turn, turned[4], length = 0.0;

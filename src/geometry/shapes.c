@@ -124,7 +124,7 @@ static const char *PolygonPrepare(Body *body)
 }
 
 /* ShapeBoxPrepare - Replaces the two opposite corners of a box by its four corners, as a polygon;
-   returns NULL or a fault; not collective */
+   returns NULL or a fault */
 const char *ShapeBoxPrepare(Body *body)
 {
   PetscReal      *c      = body->parameter;

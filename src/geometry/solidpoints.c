@@ -4,7 +4,7 @@
 */
 #include "curves.h"
 
-/* SolidCreate - Gives a body the data of a solid; returns NULL or a fault; not collective */
+/* SolidCreate - Gives a body the data of a solid; returns NULL or a fault */
 const char *SolidCreate(void (*Fill)(const Body *body, SurfacePoints *points), Body *body)
 {
   Solid *solid;
@@ -15,7 +15,7 @@ const char *SolidCreate(void (*Fill)(const Body *body, SurfacePoints *points), B
   return NULL;
 }
 
-/* SolidAdd - Adds a point with its outward normal and its area [m^2]; not collective */
+/* SolidAdd - Adds a point with its outward normal and its area [m^2] */
 void SolidAdd(const PetscReal x[], const PetscReal normal[], PetscReal area, SurfacePoints *points)
 {
   PetscReal *p;
@@ -34,7 +34,6 @@ void SolidAdd(const PetscReal x[], const PetscReal normal[], PetscReal area, Sur
   p[6] = area;
 }
 
-/* Computes the points for a spacing. */
 static PetscErrorCode Make(const Body *body, PetscReal dx, SurfacePoints **made)
 {
   Solid         *solid = (Solid *)body->data;
@@ -62,13 +61,13 @@ static const SurfacePoints *PointsOf(const Body *body, PetscReal dx)
   return points;
 }
 
-/* SolidCount - Returns the number of points dx apart; not collective */
+/* SolidCount - Returns the number of points dx apart */
 PetscInt SolidCount(const Body *body, PetscReal dx)
 {
   return PointsOf(body, dx)->n;
 }
 
-/* SolidPoint - Computes point k; returns its area [m^2]; not collective */
+/* SolidPoint - Computes point k; returns its area [m^2] */
 PetscReal SolidPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {
   const PetscReal *p = &PointsOf(body, dx)->number[SURFACE_POINT * k];

@@ -23,14 +23,14 @@ static const char *PrismPrepare(Body *body)
   return body->shape->outline->Prepare(body);
 }
 
-/* PrismSpan - Computes BodySpan() of a prism along z; not collective */
+/* PrismSpan - Computes BodySpan() of a prism along z */
 void PrismSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   if (axis < 2) body->shape->outline->Span(body, axis, span);
   for (PetscInt end = 0; end < 2 && axis == 2; end++) span[end] = body->ends[end];
 }
 
-/* PrismDistance - Computes the distance from a prism that has no ends; not collective */
+/* PrismDistance - Computes the distance from a prism that has no ends */
 PetscReal PrismDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   normal[2] = 0.0;
@@ -42,13 +42,13 @@ static PetscInt PrismLayers(const Body *body, PetscReal dx)
   return ShapeLineCount(body->ends[1] - body->ends[0], dx, 1);
 }
 
-/* PrismCount - Returns the number of points on a prism without its ends; not collective */
+/* PrismCount - Returns the number of points on a prism without its ends */
 PetscInt PrismCount(const Body *body, PetscReal dx)
 {
   return Product(body->shape->outline->Count(body, dx), PrismLayers(body, dx));
 }
 
-/* PrismPoint - Computes point k on a prism without its ends; not collective */
+/* PrismPoint - Computes point k on a prism without its ends */
 PetscReal PrismPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {
   const PetscInt  n      = body->shape->outline->Count(body, dx);

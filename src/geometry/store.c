@@ -1,7 +1,7 @@
 /* Memory of shapes, and the numbers of points on their lines and rings. */
 #include "shapes.h"
 
-/* BodyStoreAdd - Adds memory from PetscMalloc() to a store, which frees it; not collective */
+/* BodyStoreAdd - Adds memory from PetscMalloc() to a store, which frees it */
 PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store)
 {
   PetscFunctionBegin;
@@ -13,7 +13,7 @@ PetscErrorCode BodyStoreAdd(void *memory, BodyStore *store)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* BodyStoreFree - Frees the memory of a store; not collective */
+/* BodyStoreFree - Frees the memory of a store */
 PetscErrorCode BodyStoreFree(BodyStore *store)
 {
   PetscFunctionBegin;
@@ -24,7 +24,7 @@ PetscErrorCode BodyStoreFree(BodyStore *store)
 }
 
 /* ShapeLineCount - Returns the number of points dx apart on a line, at least `fewest`; bounded, so
-   that a body can add up its lines; not collective */
+   that a body can add up its lines */
 PetscInt ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest)
 {
   const PetscReal most = (PetscReal)(PETSC_INT_MAX / 64);
@@ -33,8 +33,7 @@ PetscInt ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest)
 }
 
 /* ShapeRingCount - Returns the number of points about dx apart on a ring of radius r about the axis
-   z, a multiple of four: planes of symmetry through the axis are half a spacing from them; not
-   collective */
+   z, a multiple of four: planes of symmetry through the axis are half a spacing from them */
 PetscInt ShapeRingCount(PetscReal r, PetscReal dx)
 {
   return 4 * ShapeLineCount(0.5 * PETSC_PI * r, dx, 1);

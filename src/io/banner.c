@@ -321,7 +321,6 @@ static PetscErrorCode BannerFluids(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the stages of a step. */
 static PetscErrorCode BannerStages(const Scheme *scheme, PetscViewer viewer)
 {
   PetscFunctionBegin;

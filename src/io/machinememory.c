@@ -1,7 +1,7 @@
 /*
-  The memory of a run, predicted before its particles exist: that of the program so far, and for
-  each fluid particle what results/memory.md measures. A share of the latter grows with the
-  number of neighbours. Runs that no machine part of which they use can hold are refused.
+  The memory of a run, predicted before its particles exist: the memory of the program so far, and
+  for each fluid particle the figure of docs/results/memory.md, of which a share grows with the
+  number of neighbours. Runs that their machines cannot hold are refused.
 */
 #include "isph/io.h"
 #include <stdio.h>
@@ -25,7 +25,7 @@ static PetscReal ParticleBytes(const Flow *flow)
   return 1e3 * flow->scheme->row->memory[scene->dim - 2][kind] * (1.0 - SHARE + SHARE * more);
 }
 
-/* Lowers the memory of the machine to that of a control group, if its file exists. */
+/* Lowers the memory of the machine to the limit of a control group, if its file exists. */
 static void LimitByGroup(const char path[], PetscReal *bytes)
 {
   FILE  *file = fopen(path, "r");

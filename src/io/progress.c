@@ -40,14 +40,7 @@ struct Progress {
   PetscInt           N;             /* particles in the first step of this process; 0: none yet */
 };
 
-/*
-  ProgressCreate - Creates the progress line and starts its clock
-
-  Collective on PETSC_COMM_WORLD
-
-  Options Database Key:
-. -progress line|none - progress line, or none
-*/
+/* ProgressCreate - Creates the progress line and starts its clock; collective */
 PetscErrorCode ProgressCreate(Progress **progress)
 {
   PetscLogDouble now;
@@ -143,9 +136,9 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
 /*
   ProgressUpdate - Prints the progress line if it is due
 
-  Not collective; the first rank prints. On a terminal the line replaces the last line at most four
-  times a second, otherwise a line is printed every 10 % of the run. A launcher gives each rank a
-  terminal of its own, whatever it writes to. Called after each step.
+  The first rank prints. On a terminal the line replaces the last line at most four times a second,
+  otherwise a line is printed every 10 % of the run. A launcher gives each rank a terminal of its
+  own, whatever it writes to. Called after each step.
 
   Input Parameters:
 + flow     - the flow, with the statistics of the step; M/s counts million particle-steps per second

@@ -66,8 +66,6 @@ static PetscErrorCode ReferenceDataSort(PetscInt columns, const PetscReal value[
   Output Parameter:
 . curve - the points in ascending x, the same on all ranks; none if the file is absent; freed by
           ReferenceDataFree()
-
-  Errors: a file that is empty or holds a line with other text, or fewer columns, ends the run
 */
 PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve)
 {
@@ -100,7 +98,7 @@ PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceDat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReferenceDataFree - Frees reference data; not collective */
+/* ReferenceDataFree - Frees reference data */
 PetscErrorCode ReferenceDataFree(ReferenceData *curve)
 {
   PetscFunctionBegin;

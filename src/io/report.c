@@ -26,16 +26,7 @@ static const OptionRow options[] = {
 };
 const OptionTable ReportOptions = OPTIONS("Report", options);
 
-/*
-  ReportCreate - Creates an empty report
-
-  Collective on PETSC_COMM_WORLD
-
-  Options Database Key:
-. -report file.csv - file to which runs are appended, see ReportWrite()
-
-  Errors: a file that cannot be written, or has other columns, ends the run before it begins
-*/
+/* ReportCreate - Creates an empty report; collective on PETSC_COMM_WORLD */
 PetscErrorCode ReportCreate(Report **report)
 {
   PetscFunctionBegin;
@@ -84,12 +75,8 @@ static PetscErrorCode ReportMeasured(Report *report, const char name[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReportAdd - Adds a quantity without reference, at time report->t
-
-  Not collective; all ranks add the same value. Input: name - as in the report file, at most 31
-  characters.
-*/
+/* ReportAdd - Adds a quantity without reference, at time report->t. All ranks add the same value.
+   Input: name - as in the report file, at most 31 characters. */
 PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 {
   PetscFunctionBegin;
@@ -102,8 +89,8 @@ PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 
     error = |value - reference| / scale
 
-  Not collective; all ranks add the same value. Input: scale - positive, in the unit of the
-  quantity; usually |reference|.
+  All ranks add the same value. Input: scale - positive, in the unit of the quantity; usually
+  |reference|.
 */
 PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
                                   PetscReal reference, PetscReal scale)
@@ -116,7 +103,7 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
 
 /* ReportRestore - Adds a quantity that was reported before a restart, and keeps the name of the
    first with an infinite number. Input: row - time, value, reference, error, NaN for each that is
-   absent; not collective */
+   absent */
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4])
 {
   const PetscReal now = report->t;
@@ -132,8 +119,7 @@ PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportAddMissing - Adds a quantity whose reference data are absent, so that it has no value; not
-   collective */
+/* ReportAddMissing - Adds a quantity whose reference data are absent, so that it has no value */
 PetscErrorCode ReportAddMissing(Report *report, const char name[])
 {
   PetscFunctionBegin;
@@ -141,8 +127,8 @@ PetscErrorCode ReportAddMissing(Report *report, const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportAddBeyond - Adds a relative residual, and as its error the part of it that is a fault [-];
-   not collective */
+/* ReportAddBeyond - Adds a relative residual, and as its error the part of it that is a fault
+   [-] */
 PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal residual,
                                PetscReal error)
 {
@@ -151,7 +137,7 @@ PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal resi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportAddError - Adds a quantity that is itself a relative error [-]; not collective */
+/* ReportAddError - Adds a quantity that is itself a relative error [-] */
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
 {
   PetscFunctionBegin;
@@ -258,17 +244,8 @@ static PetscErrorCode ReportRefuseUnknown(const char known[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReportCheck - Compares errors with the tolerances of the user
-
-  Collective on PETSC_COMM_WORLD. Called at the end of the run.
-
-  Options Database Key:
-. -check_<quantity> tol - largest relative error allowed, at all times reported [-]
-
-  Errors: a quantity that is not finite, an error above its tolerance (each is printed), an unknown
-  quantity, and a quantity without reference end the run
-*/
+/* ReportCheck - Compares errors with the tolerances of the user; collective on PETSC_COMM_WORLD.
+   Called at the end of the run. */
 PetscErrorCode ReportCheck(const Report *report)
 {
   char     known[1024] = "";

@@ -157,7 +157,6 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns seconds of a time of getrusage(). */
 static PetscReal Seconds(struct timeval time)
 {
   return (PetscReal)time.tv_sec + 1e-6 * (PetscReal)time.tv_usec;
@@ -248,13 +247,8 @@ static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReportFileCheck - Ends the run at its start if its report could not be written
-
-  Collective on PETSC_COMM_WORLD. A new file gets its header.
-
-  Errors: as ReportWrite()
-*/
+/* ReportFileCheck - Ends the run at its start if its report could not be written; collective on
+   PETSC_COMM_WORLD. A new file gets its header. */
 PetscErrorCode ReportFileCheck(const char path[])
 {
   PetscMPIInt rank;
@@ -282,8 +276,6 @@ PetscErrorCode ReportFileCheck(const char path[])
 
   Notes: the column particles counts fluid particles; visc_its and ppe_its are means per step; for
   the coupled scheme the columns visc_ts, visc_ksp, visc_pc and visc_its describe the coupled solve
-
-  Errors: a file that cannot be written, or has other columns, ends the run
 */
 PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wall_seconds,
                            const char status[])

@@ -68,17 +68,8 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SnapshotsCreate - Reads the options of snapshots and tests if files can be written
-
-  Collective on PETSC_COMM_WORLD
-
-  Options Database Keys:
-+ -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
-- -output_every T - snapshots also at multiples of T, at which steps then end [s]
-
-  Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
-*/
+/* SnapshotsCreate - Reads the options of snapshots and tests if files can be written; collective on
+   PETSC_COMM_WORLD */
 PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
 {
   Snapshots *s;
@@ -105,19 +96,16 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SnapshotsNeeds - Returns the operators that snapshots need, as bits of Need; not collective
-
-  These are the gradient of the velocity, and the concentration for the density. Most runs with
-  moving particles compute both in any case.
-*/
+/* SnapshotsNeeds - Returns the operators that snapshots need, as bits of Need. These are the
+   gradient of the velocity, and the concentration for the density. Most runs with moving particles
+   compute both in any case. */
 unsigned SnapshotsNeeds(const Snapshots *snapshots)
 {
   return snapshots->base[0] ? (unsigned)(NEED_GRADIENT_U | NEED_CONCENTRATION) : 0;
 }
 
 /* SnapshotsInterval - Returns the time between snapshots [s], 0 if snapshots are written at start
-   and end only; not collective */
+   and end only */
 PetscReal SnapshotsInterval(const Snapshots *snapshots)
 {
   return snapshots->every;
@@ -244,9 +232,6 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 + flow      - the present flow
 . final     - true at the end of the run: writes unless this step has been written
 - snapshots - the snapshots
-
-  Errors: a file that cannot be written ends the run; complete files remain readable, and the index
-  names no others
 */
 PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots)
 {
@@ -304,13 +289,8 @@ PetscErrorCode SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal ro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneView - Writes the boundaries of a scene at t = 0 if -scene_view asks for them
-
-  Collective on PETSC_COMM_WORLD. Output: viewed - true if so: the program then ends.
-
-  Errors: a name that does not end in .vtp, a file that cannot be written
-*/
+/* SceneView - Writes the boundaries of a scene at t = 0 if -scene_view asks for them; collective on
+   PETSC_COMM_WORLD. Output: viewed - true if so: the program then ends. */
 PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed)
 {
   char        path[PETSC_MAX_PATH_LEN];

@@ -128,7 +128,6 @@ static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the strain rate by OperatorsStrainRate() [1/s]. */
 static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
 {
   const Particles *p = flow->particles;
@@ -223,7 +222,7 @@ static const SnapshotField fields[] = {
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };
 
-/* SnapshotFieldsCheck - Refuses a scalar with the name of a field; not collective */
+/* SnapshotFieldsCheck - Refuses a scalar with the name of a field */
 PetscErrorCode SnapshotFieldsCheck(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -240,7 +239,7 @@ PetscErrorCode SnapshotFieldsCheck(const Scene *scene)
 }
 
 /* SnapshotNext - Finds field *k of the run, or the next after it, and sets k to the number behind
-   it. The first, with k = 0, is the position. Returns false after the last; not collective */
+   it. The first, with k = 0, is the position. Returns false after the last */
 PetscBool SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field)
 {
   const PetscInt n       = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(fields);
@@ -262,8 +261,7 @@ PetscBool SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field)
   return PETSC_TRUE;
 }
 
-/* SnapshotColumns - Returns the number of columns of a field, 0 for a one-dimensional data set; not
-   collective */
+/* SnapshotColumns - Returns the number of columns of a field, 0 for a one-dimensional data set */
 PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
 {
   if (field->shape == FIELD_VECTOR) return flow->particles->dim;
@@ -324,7 +322,7 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
 }
 
 /* SnapshotBytes - Returns an upper bound of the size of a snapshot, with the metadata of HDF5
-   [bytes]; not collective */
+   [bytes] */
 size_t SnapshotBytes(const Flow *flow)
 {
   const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);

@@ -131,9 +131,8 @@ static void WriteFile(FILE *f, const Scene *scene, PetscReal t, PetscInt n, cons
 }
 
 /* SurfaceFileWrite - Writes the boundaries of a scene at time t under another name, and renames the
-   complete file; not collective: called by the first rank. Sides at which the fluid continues, and
-   those beyond a body around the fluid, are left out. Output: good - true if the file has been
-   written. */
+   complete file: called by the first rank. Sides at which the fluid continues, and those beyond a
+   body around the fluid, are left out. Output: good - true if the file has been written. */
 PetscErrorCode SurfaceFileWrite(const Scene *scene, PetscReal t, const char path[], PetscBool *good)
 {
   char     part[PETSC_MAX_PATH_LEN];

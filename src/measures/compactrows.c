@@ -104,7 +104,7 @@ static PetscInt AddNeighbor(const Particles *p, PetscInt i, PetscInt j, PetscRea
 }
 
 /* CompactRowAdd - Sets the row of own particle i; those before it are set. Note: needs its row of
-   neighbours; not collective. */
+   neighbours. */
 PetscErrorCode CompactRowAdd(const Flow *flow, PetscInt i, CompactRows *rows)
 {
   const Particles *p                              = flow->particles;

@@ -237,7 +237,7 @@ PetscErrorCode DefectCreate(const Flow *flow, Defect *d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* DefectDestroy - Frees the defect; not collective */
+/* DefectDestroy - Frees the defect */
 PetscErrorCode DefectDestroy(Defect *d)
 {
   PetscFunctionBegin;

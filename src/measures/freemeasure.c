@@ -43,7 +43,6 @@ static PetscErrorCode PrepareVolume(Flow *flow, const Monitor *monitor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the volume and its error. */
 static PetscErrorCode WriteVolume(const Flow *flow, Monitor *monitor)
 {
   PetscReal volume, mass;

@@ -106,11 +106,8 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MonitorRow - Begins a row with time and step on the first rank; not collective
-
-  Returns: PETSC_FALSE if nothing is to be written, on other ranks
-*/
+/* MonitorRow - Begins a row with time and step on the first rank. Returns: PETSC_FALSE if nothing
+   is to be written, on other ranks. */
 PetscBool MonitorRow(const Clock *clock, const Monitor *monitor)
 {
   if (!monitor->stream) return PETSC_FALSE;
@@ -118,7 +115,7 @@ PetscBool MonitorRow(const Clock *clock, const Monitor *monitor)
   return PETSC_TRUE;
 }
 
-/* MonitorVector - Writes three components of a vector; in 2D the third is zero; not collective */
+/* MonitorVector - Writes three components of a vector; in 2D the third is zero */
 void MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[])
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)

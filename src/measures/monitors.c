@@ -143,26 +143,7 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MonitorsCreate - Reads the options of monitors
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-+ -probe_point x,y,...          - points [m]
-. -probe_line x0,y0,x1,y1,n,... - lines with n points each [m]
-. -probe_flux x0,y0,x1,y1,...   - sections; in 2D a flux to the right of the direction from (x0, y0)
-                                  to (x1, y1) is positive [m]
-. -probe_forces                 - forces and torques on each wall
-. -probe_bodies                 - pose, motion, force and torque of each body
-. -probe_volume                 - volume inside the free surface
-. -probe_every T                - rows after the first step at or past each multiple of T [s]; by
-                                  default rows after every step
-- -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
-                                  base_forces.csv, base_bodies.csv, base_volume.csv
-
-  Errors: incomplete groups of numbers end the run
-*/
+/* MonitorsCreate - Reads the options of monitors; collective on PETSC_COMM_WORLD */
 PetscErrorCode MonitorsCreate(Flow *flow, Monitors **monitors)
 {
   const Scene *scene = flow->scene;
@@ -221,13 +202,8 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MonitorsWrite - Writes the rows of the present time, if they are due
-
-  Collective on PETSC_COMM_WORLD. Called at the start and after every step.
-
-  Errors: a file that cannot be written ends the run; rows already written remain
-*/
+/* MonitorsWrite - Writes the rows of the present time, if they are due; collective on
+   PETSC_COMM_WORLD. Called at the start and after every step. */
 PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
 {
   const PetscReal t = flow->clock->t;

@@ -36,7 +36,6 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt n
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a point in a body. */
 static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscInt k,
                                  const PetscReal x[])
 {
@@ -46,7 +45,6 @@ static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row for each point. */
 static PetscErrorCode WritePoints(const Flow *flow, Monitor *monitor)
 {
   PetscFunctionBegin;
@@ -246,7 +244,6 @@ const MonitorKind MonitorForces = {
     .Write  = WriteForces,
 };
 
-/* Refuses a flow without bodies. */
 static PetscErrorCode PrepareBodies(Flow *flow, const Monitor *monitor)
 {
   PetscFunctionBegin;

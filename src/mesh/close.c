@@ -158,9 +158,8 @@ static PetscErrorCode Finish(Mesh *mesh, PetscInt parts, const PetscInt part[], 
 }
 
 /* MeshClose - Closes the small holes of a surface, gives its triangles one orientation, and turns
-   it outward; not collective. Output: fault - if holes are larger than 1 % of the area, more than
-   two triangles meet at a side, a part has one side only or no volume, or parts touch in a
-   corner. */
+   it outward. Output: fault - if holes are larger than 1 % of the area, more than two triangles
+   meet at a side, a part has one side only or no volume, or parts touch in a corner. */
 PetscErrorCode MeshClose(Mesh *mesh, char fault[FAULT])
 {
   PetscInt  open, many, parts, *part;

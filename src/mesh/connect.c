@@ -19,9 +19,8 @@ static int Compare(const void *a, const void *b)
   return p->side < q->side ? -1 : p->side > q->side;
 }
 
-/* MeshConnect - Finds the triangle across each side; not collective. Output: open - number of sides
-   without one; many - of sides with two or more; place - of one of these, otherwise of an open
-   one. */
+/* MeshConnect - Finds the triangle across each side. Output: open - number of sides without one;
+   many - of sides with two or more; place - of one of these, otherwise of an open one. */
 PetscErrorCode MeshConnect(Mesh *mesh, PetscInt *open, PetscInt *many, PetscReal place[3])
 {
   const PetscInt n = 3 * mesh->triangles;
@@ -54,7 +53,7 @@ PetscErrorCode MeshConnect(Mesh *mesh, PetscInt *open, PetscInt *many, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshReverse - Reverses the order of the corners of a triangle; not collective */
+/* MeshReverse - Reverses the order of the corners of a triangle */
 void MeshReverse(Mesh *mesh, PetscInt t)
 {
   PetscInt *c = &mesh->corner[3 * t], *n = &mesh->across[3 * t], kept = c[1];
@@ -73,8 +72,8 @@ static PetscInt Place(const Mesh *mesh, PetscInt t, PetscInt c)
 }
 
 /* MeshOrient - Gives neighbours one orientation, and numbers the parts that hang together; returns
-   false if a part has one side only; not collective. Output: part - number of the part of each
-   triangle; parts - their number */
+   false if a part has one side only. Output: part - number of the part of each triangle; parts -
+   their number */
 PetscErrorCode MeshOrient(Mesh *mesh, PetscInt part[], PetscInt *parts, PetscBool *good)
 {
   PetscInt *list, n = 0;
@@ -152,8 +151,8 @@ static PetscInt LongSide(const Mesh *mesh, PetscInt t)
 }
 
 /* MeshTurnFlat - Turns triangles whose corners are on one line, and their neighbour across the
-   longest side, to two triangles with area; not collective. Output: left - number of those that
-   cannot be turned; open, many - see MeshConnect() */
+   longest side, to two triangles with area. Output: left - number of those that cannot be turned;
+   open, many - see MeshConnect() */
 PetscErrorCode MeshTurnFlat(Mesh *mesh, PetscInt *left, PetscInt *open, PetscInt *many,
                             PetscReal place[3])
 {
@@ -176,8 +175,8 @@ PetscErrorCode MeshTurnFlat(Mesh *mesh, PetscInt *left, PetscInt *open, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshFindPinch - Finds a corner in which two parts of a surface touch; returns its number, or -1;
-   not collective */
+/* MeshFindPinch - Finds a corner in which two parts of a surface touch; returns its number, or
+   -1 */
 PetscErrorCode MeshFindPinch(const Mesh *mesh, PetscInt *pinch)
 {
   PetscBool *walked, *seen;

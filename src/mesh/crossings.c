@@ -86,7 +86,7 @@ static PetscInt CrossingsOf(const Mesh *mesh, PetscInt t)
   return found;
 }
 
-/* MeshCrossings - Refuses a surface that crosses or touches itself, or is folded; not collective */
+/* MeshCrossings - Refuses a surface that crosses or touches itself, or is folded */
 PetscErrorCode MeshCrossings(const Mesh *mesh, char fault[FAULT])
 {
   PetscInt found = 0, first = 0;

@@ -2,8 +2,7 @@
 #include "mesh.h"
 #include <stdint.h>
 
-/* MeshGridCreate - Creates cells for n points; a search is quick up to a distance of half a cell;
-   not collective */
+/* MeshGridCreate - Creates cells for n points; a search is quick up to a distance of half a cell */
 PetscErrorCode MeshGridCreate(PetscInt n, PetscReal cell, MeshGrid *grid)
 {
   PetscFunctionBegin;
@@ -14,7 +13,7 @@ PetscErrorCode MeshGridCreate(PetscInt n, PetscReal cell, MeshGrid *grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshGridFree - Frees the cells; not collective */
+/* MeshGridFree - Frees the cells */
 PetscErrorCode MeshGridFree(MeshGrid *grid)
 {
   PetscFunctionBegin;
@@ -30,7 +29,7 @@ static PetscInt Slot(const MeshGrid *grid, const int64_t place[3])
   return (PetscInt)((hash >> 32) & (uint64_t)(grid->slots - 1));
 }
 
-/* MeshGridAdd - Adds point k; not collective */
+/* MeshGridAdd - Adds point k */
 void MeshGridAdd(MeshGrid *grid, PetscInt k, const PetscReal x[3])
 {
   int64_t  place[3];
@@ -43,8 +42,7 @@ void MeshGridAdd(MeshGrid *grid, PetscInt k, const PetscReal x[3])
 }
 
 /* MeshGridNearest - Returns the number of the point nearest to x within a distance, among those
-   whose normals are less than 45 degrees from one if normals are given; -1 if there is none; not
-   collective */
+   whose normals are less than 45 degrees from one if normals are given; -1 if there is none */
 PetscInt MeshGridNearest(const MeshGrid *grid, const PetscReal points[], const PetscReal normals[],
                          const PetscReal x[3], const PetscReal normal[3], PetscReal most)
 {

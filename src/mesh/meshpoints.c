@@ -190,7 +190,7 @@ static PetscErrorCode Move(const Mesh *mesh, const Pieces *pieces, PetscReal dx,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshPoints - Computes the points dx apart on a surface; not collective */
+/* MeshPoints - Computes the points dx apart on a surface */
 PetscErrorCode MeshPoints(const Mesh *mesh, SurfacePoints *surface)
 {
   Pieces    pieces = {.n = 0}, points = {.n = 0};

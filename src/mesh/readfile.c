@@ -14,7 +14,7 @@
 #define MOST_BYTES   2000000000.0 /* of a file */
 #define MOST_NUMBERS 200000000    /* about 20 million triangles */
 
-/* MeshFail - Sets the fault of a file, unless it has an earlier one; not collective */
+/* MeshFail - Sets the fault of a file, unless it has an earlier one */
 void MeshFail(MeshFile *file, const char format[], ...)
 {
   va_list list;
@@ -26,7 +26,7 @@ void MeshFail(MeshFile *file, const char format[], ...)
 }
 
 /* MeshWord - Passes a word, in letters of either case, and the blanks before it; returns false if
-   another text is next; not collective */
+   another text is next */
 PetscBool MeshWord(MeshFile *file, const char word[])
 {
   const size_t n  = strlen(word);
@@ -40,8 +40,7 @@ PetscBool MeshWord(MeshFile *file, const char word[])
   return PETSC_TRUE;
 }
 
-/* MeshNumber - Reads a number and passes it; returns false, and sets no fault, if there is none;
-   not collective */
+/* MeshNumber - Reads a number and passes it; returns false, and sets no fault, if there is none */
 PetscBool MeshNumber(MeshFile *file, PetscReal *x)
 {
   char *end;
@@ -52,14 +51,14 @@ PetscBool MeshNumber(MeshFile *file, PetscReal *x)
   return PETSC_TRUE;
 }
 
-/* MeshSkipLine - Passes the rest of a line; not collective */
+/* MeshSkipLine - Passes the rest of a line */
 void MeshSkipLine(MeshFile *file)
 {
   file->at += strcspn(file->at, "\n");
   if (*file->at) file->at++;
 }
 
-/* MeshAdd - Adds n numbers to a file, or a fault if one is not finite; not collective */
+/* MeshAdd - Adds n numbers to a file, or a fault if one is not finite */
 void MeshAdd(MeshFile *file, PetscInt n, const PetscReal x[])
 {
   if (*file->fault) return;
@@ -82,7 +81,7 @@ void MeshAdd(MeshFile *file, PetscInt n, const PetscReal x[])
 }
 
 /* MeshAddPolygon - Adds the triangles of a plane polygon of n corners, numbers from 0 of points x,
-   that share its first corner; one that this does not cover is a fault; not collective */
+   that share its first corner; one that this does not cover is a fault */
 void MeshAddPolygon(MeshFile *file, PetscInt n, const PetscInt corner[], PetscInt corners,
                     const PetscReal x[])
 {
@@ -115,8 +114,7 @@ void MeshAddPolygon(MeshFile *file, PetscInt n, const PetscInt corner[], PetscIn
   }
 }
 
-/* MeshAddCorner - Adds a corner of the present loop, unless it repeats the last one; not
-   collective */
+/* MeshAddCorner - Adds a corner of the present loop, unless it repeats the last one */
 void MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y)
 {
   const PetscReal  corner[3] = {x, y, (PetscReal)file->loops};
@@ -128,8 +126,7 @@ void MeshAddCorner(MeshFile *file, PetscReal x, PetscReal y)
   MeshAdd(file, 3, corner);
 }
 
-/* MeshEndLoop - Ends the present loop, and leaves out a last corner at the place of the first; not
-   collective */
+/* MeshEndLoop - Ends the present loop, and leaves out a last corner at the place of the first */
 void MeshEndLoop(MeshFile *file)
 {
   PetscInt   n = 0;

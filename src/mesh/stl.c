@@ -55,7 +55,7 @@ static void ReadText(MeshFile *file)
   MeshFail(file, "it ends without 'endsolid': a part of it is missing");
 }
 
-/* MeshReadStl - Reads an STL file; not collective */
+/* MeshReadStl - Reads an STL file */
 void MeshReadStl(MeshFile *file)
 {
   const unsigned char *count = (const unsigned char *)file->text + 80;
@@ -93,7 +93,7 @@ static void ReadFace(MeshFile *file, PetscInt corners, const PetscReal x[])
   MeshAddPolygon(file, n, corner, corners, x);
 }
 
-/* MeshReadObj - Reads the faces of an OBJ file; not collective */
+/* MeshReadObj - Reads the faces of an OBJ file */
 void MeshReadObj(MeshFile *file)
 {
   MeshFile points = {.n = 0};

@@ -59,8 +59,7 @@ static void Split(Placed placed[], PetscInt from, PetscInt to)
   Split(placed, half, to);
 }
 
-/* MeshSort - Sorts triangles so that neighbours in the list are neighbours in space; not
-   collective */
+/* MeshSort - Sorts triangles so that neighbours in the list are neighbours in space */
 PetscErrorCode MeshSort(Mesh *mesh)
 {
   Placed *placed;
@@ -107,7 +106,7 @@ static void SetAxes(const Mesh *mesh, MeshNode *node)
         n[(a + 1) % 3] * node->axis[1][(a + 2) % 3] - n[(a + 2) % 3] * node->axis[1][(a + 1) % 3];
 }
 
-/* MeshAlong - Returns the coordinate of x along an axis of a box; not collective */
+/* MeshAlong - Returns the coordinate of x along an axis of a box */
 PetscReal MeshAlong(const MeshNode *node, PetscInt axis, const PetscReal x[])
 {
   return node->axis[axis][0] * x[0] + node->axis[axis][1] * x[1] + node->axis[axis][2] * x[2];
@@ -138,7 +137,7 @@ static PetscInt Build(Mesh *mesh, PetscInt at, PetscInt from, PetscInt to)
   return next;
 }
 
-/* MeshTree - Builds the tree of a surface, and its normals; not collective */
+/* MeshTree - Builds the tree of a surface, and its normals */
 PetscErrorCode MeshTree(BodyStore *store, Mesh *mesh)
 {
   PetscFunctionBegin;
@@ -171,8 +170,8 @@ PetscErrorCode MeshTree(BodyStore *store, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshTriangle - Gets the corners of a triangle; returns its area [m^2]; not collective. Output:
-   normal - of length 1, zero for one without area */
+/* MeshTriangle - Gets the corners of a triangle; returns its area [m^2]. Output: normal - of length
+   1, zero for one without area */
 PetscReal MeshTriangle(const Mesh *mesh, PetscInt t, const PetscReal *x[3], PetscReal normal[3])
 {
   PetscReal size = 0.0;
@@ -210,8 +209,8 @@ static PetscReal FootOnSide(const PetscReal a[3], const PetscReal b[3], const Pe
 }
 
 /* MeshFoot - Computes the point of triangle t that is nearest to x; returns the square of its
-   distance [m^2]; not collective. Output: part - 0, 1, 2: on the side from this corner; 3, 4, 5:
-   the corner; 6: within */
+   distance [m^2]. Output: part - 0, 1, 2: on the side from this corner; 3, 4, 5: the corner; 6:
+   within */
 PetscReal MeshFoot(const Mesh *mesh, PetscInt t, const PetscReal x[], PetscReal foot[3],
                    PetscInt *part)
 {
@@ -258,8 +257,8 @@ static PetscReal ToBox(const MeshNode *node, const PetscReal x[])
   return square;
 }
 
-/* MeshNearest - Returns the signed distance of x from a surface, positive outside [m]; not
-   collective. Output: foot - the nearest point; normal - out of the solid. */
+/* MeshNearest - Returns the signed distance of x from a surface, positive outside [m]. Output: foot
+   - the nearest point; normal - out of the solid. */
 PetscReal MeshNearest(const Mesh *mesh, const PetscReal x[], PetscReal foot[3], PetscReal normal[3])
 {
   PetscReal best = PETSC_INFINITY, d, along = 0.0;

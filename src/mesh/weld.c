@@ -20,7 +20,7 @@ static int Compare(const void *a, const void *b)
   return p->t < q->t ? -1 : p->t > q->t;
 }
 
-/* Leaves out triangles with equal corners, and triangles that have those of an earlier one. */
+/* Leaves out triangles with equal corners, and triangles with the corners of an earlier one. */
 static PetscErrorCode LeaveOut(Mesh *mesh)
 {
   Named   *named;
@@ -79,9 +79,8 @@ static PetscErrorCode Weld(const MeshFile *file, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MeshCreate - Makes a closed surface of the triangles of a file; not collective; the same on all
-   ranks. Output: mesh - in the memory of a store; file->fault - if the surface is not closed, or
-   has no inside. */
+/* MeshCreate - Makes a closed surface of the triangles of a file; the same on all ranks. Output:
+   mesh - in the memory of a store; file->fault - if the surface is not closed, or has no inside. */
 PetscErrorCode MeshCreate(MeshFile *file, BodyStore *store, Mesh *mesh)
 {
   PetscFunctionBegin;

@@ -101,8 +101,8 @@ static PetscBool IsCrowded(const Scene *scene, const Entrants *kept, const Entra
   return PETSC_FALSE;
 }
 
-/* EntrantsDropCrowded - Drops returning particles that are close to others, as where two
-   outflows meet; not collective. Input: entrants - of all ranks. */
+/* EntrantsDropCrowded - Drops returning particles that are close to others, as where two outflows
+   meet. Input: entrants - of all ranks. */
 void EntrantsDropCrowded(const Scene *scene, Entrants *entrants)
 {
   const PetscInt n = entrants->n;

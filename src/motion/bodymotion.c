@@ -10,7 +10,6 @@
 static const PetscReal gauss[NODES][2] = {
     {0.1127016653792583, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.8872983346207417, 5.0 / 18.0}};
 
-/* Advances the pose of a body from t over dt. */
 static void Advance(const Scene *scene, PetscInt side, PetscReal t, PetscReal dt, Pose *pose)
 {
   for (PetscInt k = 0; k < NODES; k++) {

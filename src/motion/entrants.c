@@ -11,8 +11,7 @@
 
 #define NEAR 2.0 /* distance of the fluid that gives the slope [dx] */
 
-/* EntrantsAdd - Adds a particle at a distance from wall particle w to the share of this rank; not
-   collective */
+/* EntrantsAdd - Adds a particle at a distance from wall particle w to the share of this rank */
 PetscErrorCode EntrantsAdd(const Particles *p, PetscInt w, PetscReal distance, Entrants *all)
 {
   Entrant *entrant;

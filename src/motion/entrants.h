@@ -13,7 +13,7 @@ typedef struct {
 } Entrant;
 #define ENTRANT_NUMBERS ((PetscInt)(sizeof(Entrant) / sizeof(PetscReal)))
 
-/* The particles that enter in a step: first the share of a rank, then those of all ranks. */
+/* The particles that enter in a step: first the share of a rank, then of all ranks. */
 typedef struct {
   const Flow *flow;
   PetscInt    n, capacity;

@@ -65,8 +65,8 @@ static void Separate(const Particles *p, const Neighbors *nb, PetscInt i, PetscR
 
     s_i = -sum_j e (CONTACT dx - r)/2,   e = (x_j - x_i)/r
 
-  Not collective. Input: neighbours at the present positions. Output: apart - of own particles, by
-  [i dim + a], zero for those that are not rough [m].
+  Input: neighbours at the present positions. Output: apart - of own particles, by [i dim + a], zero
+  for those that are not rough [m].
 */
 void FlowSeparate(const Flow *flow, PetscReal apart[])
 {

@@ -152,7 +152,7 @@ PetscErrorCode FreeBodiesCreate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Notes the present velocity and momenta of body k as those of t^n. */
+/* Notes the present velocity and momenta of body k for t^n. */
 static void NotePast(const Scene *scene, PetscInt k, FreeBodies *b)
 {
   Pose *pose = &scene->pose[k];
@@ -186,7 +186,7 @@ static void SetRates(const Flow *flow, PetscInt k)
 
     X += dt (w_0 U^n + w_1 U^{n-1} + w_2 U^{n-2}),   w of HistoryPath()
 
-  Not collective. Components that are held follow their velocity as typed.
+  Components that are held follow their velocity as typed.
 */
 void FreeBodyMove(Flow *flow, PetscInt k)
 {

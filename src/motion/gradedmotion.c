@@ -16,8 +16,8 @@ static void PlaceOf(const Particles *p, PetscInt i, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
 }
 
-/* GradedPath - Multiplies the way of the fluid in a step by the factor of the motion; not
-   collective. The factor belongs to the middle of the way. Input/Output: way [m]. */
+/* GradedPath - Multiplies the way of the fluid in a step by the factor of the motion. The factor
+   belongs to the middle of the way. Input/Output: way [m]. */
 void GradedPath(const Scene *scene, const Particles *p, PetscInt i, PetscReal way[])
 {
   PetscReal x[ISPH_MAX_DIM] = {0.0}, factor = ParticlesMotionFactor(scene, p, i);
@@ -29,7 +29,7 @@ void GradedPath(const Scene *scene, const Particles *p, PetscInt i, PetscReal wa
 }
 
 /* GradedKeepOffSides - Moves a position that is less than `share` of the edge of its cell from a
-   side of the box that confines the fluid, or behind it, to this distance; not collective */
+   side of the box that confines the fluid, or behind it, to this distance */
 void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[])
 {
   PetscReal edge[ISPH_MAX_DIM], way = PETSC_MAX_REAL;
@@ -155,7 +155,7 @@ PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* GradedRemember - Adds the sums of GradedConvection() to the memory of the run; not collective */
+/* GradedRemember - Adds the sums of GradedConvection() to the memory of the run */
 PetscErrorCode GradedRemember(Flow *flow)
 {
   static const char *const names[] = {"graded_momentum_x", "graded_momentum_y",

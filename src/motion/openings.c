@@ -38,8 +38,8 @@ static PetscReal RoomOf(const Scene *scene)
   return room * free / n;
 }
 
-/* OpeningsCreate - Prepares the counters of the volume that enters and leaves; not collective. Does
-   nothing if particles cannot enter or leave. */
+/* OpeningsCreate - Prepares the counters of the volume that enters and leaves. Does nothing if
+   particles cannot enter or leave. */
 PetscErrorCode OpeningsCreate(Flow *flow)
 {
   Openings *o      = &flow->state->openings;

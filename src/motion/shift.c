@@ -5,10 +5,10 @@
 #include "isph/motion.h"
 
 /* ShiftStepFactor - Returns U dt/dx, but at least 1 and at most 2: so much longer are the longest
-   shift and the disturbance of a lattice in a long step; not collective. A step strains the
-   particles by dt |grad u|, and shifts have to keep pace with it. With the shifts of short steps a
-   lattice in taylor_green (Re = 100, -cfl 2, n = 24 to 64) went to pieces: rows drifted apart
-   before the disturbance had grown. */
+   shift and the disturbance of a lattice in a long step. A step strains the particles by dt |grad
+   u|, and shifts have to keep pace with it. With the shifts of short steps a lattice in
+   taylor_green (Re = 100, -cfl 2, n = 24 to 64) went to pieces: rows drifted apart before the
+   disturbance had grown. */
 PetscReal ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt)
 {
   return PetscMin(PetscMax(speed * dt / dx, 1.0), 2.0);
@@ -83,18 +83,9 @@ static const OptionRow options[] = {
 };
 const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
 
-/*
-  MotionCreate - Reads the options of filter and shifting
-
-  Collective on PETSC_COMM_WORLD. Output: needs - bits of Need for them. The regime gives the
-  default of the filter; a scheme takes it again when it knows the points of the pressure or its
-  substeps.
-
-  Options Database Keys:
-+ -shift name        - row of the shift table
-. -shift_strength S  - factor of the diffusivity of -shift
-- -velocity_filter S - strength of the filter in ConvectionApply(), FlowFilter(), FlowMove()
-*/
+/* MotionCreate - Reads the options of filter and shifting; collective on PETSC_COMM_WORLD. Output:
+   needs - bits of Need for them. The regime gives the default of the filter; a scheme takes it
+   again when it knows the points of the pressure or its substeps. */
 PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
 {
   const Scene *scene = flow->scene;

@@ -30,12 +30,12 @@ static void KeepContactLine(const Flow *flow, PetscInt i, PetscReal shift[])
   for (PetscInt a = 0; a < d; a++) shift[a] -= along / length2 * out[a];
 }
 
-/* FlowLimitShift - Limits the shift of own particle i of a fluid with a free surface; not
-   collective. Particles on the surface stay on it, and no shift carries them over a wall out of the
-   fluid. Rough particles only move apart. No shift is longer than a share of the way of the fastest
-   particle: longer shifts carry fluid through the surface, so that the level of a resting puddle
-   would fall or rise. Input: apart - displacement of the particle by FlowSeparate() [m]; shift -
-   wanted [m]. Output: shift. */
+/* FlowLimitShift - Limits the shift of own particle i of a fluid with a free surface. Particles on
+   the surface stay on it, and no shift carries them over a wall out of the fluid. Rough particles
+   only move apart. No shift is longer than a share of the way of the fastest particle: longer
+   shifts carry fluid through the surface, so that the level of a resting puddle would fall or rise.
+   Input: apart - displacement of the particle by FlowSeparate() [m]; shift - wanted [m]. Output:
+   shift. */
 void FlowLimitShift(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[])
 {
   const FreeSurface *free  = flow->ops->free;

@@ -400,8 +400,6 @@ PetscErrorCode OperatorsDegree(const Scene *scene, PetscInt *degree)
 
   Output Parameter:
 . forms - the choice: table rows, lengths [m] and coupling of velocity components
-
-  Options Database Keys: see OperatorsCreate()
 */
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms)
 {

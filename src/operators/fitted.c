@@ -23,7 +23,7 @@ struct FittedRows {
 };
 
 /* FittedCreate - Creates the rows of fits of the chosen degree; filters - the filter is one of
-   them; not collective */
+   them */
 PetscErrorCode FittedCreate(const OperatorForms *forms, PetscInt dim, PetscBool filters,
                             FittedRows **rows)
 {
@@ -49,7 +49,7 @@ static PetscErrorCode FreeNeighbors(FittedRows *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FittedDestroy - Frees the rows; not collective */
+/* FittedDestroy - Frees the rows */
 PetscErrorCode FittedDestroy(FittedRows **rows)
 {
   PetscFunctionBegin;
@@ -61,7 +61,7 @@ PetscErrorCode FittedDestroy(FittedRows **rows)
 }
 
 /* FittedReserve - Makes room for the coefficients of all own particles, and for the neighbours of a
-   product; longest - of the lists of neighbours, the particle included; not collective */
+   product; longest - of the lists of neighbours, the particle included */
 PetscErrorCode FittedReserve(const Particles *p, PetscInt longest, FittedRows *f)
 {
   PetscFunctionBegin;
@@ -80,7 +80,7 @@ PetscErrorCode FittedReserve(const Particles *p, PetscInt longest, FittedRows *f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FittedPlace - Asks the batch of a stencil for coefficients in place of rows; not collective */
+/* FittedPlace - Asks the batch of a stencil for coefficients in place of rows */
 void FittedPlace(const FittedRows *f, Stencil *st)
 {
   st->fit.coefficient = f->coefficient + (size_t)f->stride * (size_t)st->i;
@@ -238,9 +238,8 @@ static ISPH_WIDE void ApplyWide(const FittedProducts *to, const OperatorRows *ro
 
     grad_a f = sum_t c_at m_t,   m_t = sum_k W_k phi_t(X_k/R) (f_k - f_i),
 
-  and the filter in the same way, docs/theory.md, (240) to (242). Not collective. Input: the fields
-  by local index, halo included, in rows->value at [fields j + field], with zeros in place of absent
-  data.
+  and the filter in the same way, docs/theory.md, (240) to (242). Input: the fields by local index,
+  halo included, in rows->value at [fields j + field], with zeros in place of absent data.
 */
 PetscErrorCode FittedApply(const FittedProducts *to, const OperatorRows *rows)
 {

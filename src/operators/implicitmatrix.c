@@ -26,7 +26,6 @@ static inline PetscInt Column(const OperatorRows *rows, PetscInt s)
   return rows->particles->row[rows->fluid.local[s]];
 }
 
-/* Copies the diagonal. */
 static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
 {
   const Shell        *shell;

@@ -55,15 +55,8 @@ static PetscErrorCode HoldsEverywhere(PetscBool *holds)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FormsLibraryOpen - Opens the shared object of an option
-
-  Collective. Output: library - its rows, NULL if the option is not given; it stays open to the end
-  of the program.
-
-  Errors: refuses files that are no shared objects, have no symbol FORMS_SYMBOL, were built for
-  other structs, or have rows that are not complete or have names of the program's rows
-*/
+/* FormsLibraryOpen - Opens the shared object of an option; collective. Output: library - its rows,
+   NULL if the option is not given; it stays open to the end of the program. */
 PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library)
 {
   char        path[PETSC_MAX_PATH_LEN], place[PETSC_MAX_PATH_LEN + 2];

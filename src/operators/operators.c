@@ -11,7 +11,7 @@
 
 #define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */
 
-/* OperatorsList - Lists all operators, needed or not, in the order of assembly; not collective */
+/* OperatorsList - Lists all operators, needed or not, in the order of assembly */
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 {
   PetscInt n = 0;
@@ -195,21 +195,6 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
 
   Input Parameter:
 . needs - bits of Need; an operator that is not needed is neither chosen nor assembled
-
-  Options Database Keys:
-+ -kernel name         - row of the kernel table
-. -h_over_dx ratio     - smoothing length over particle spacing; see REGIME_KERNEL
-. -visc_laplacian name - form of the viscous term
-. -ppe_laplacian name  - form of the pressure Poisson equation
-. -correction name     - correction of the kernel in these Laplacians
-. -gradient name       - form of gradients and divergences
-. -wall name           - wall treatment
-- -wall_surface        - a layer of particles on the walls before the layers behind them; by
-                         default with bodies
-
-  Errors: refuses forms that need particles behind walls if the wall treatment has none there,
-  corrections that no chosen form accepts, forms for the pressure whose eigenvalues have both signs,
-  and wall treatments unsuitable for the scene
 */
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **operators)
 {
@@ -298,8 +283,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsPlacement - Returns the layers of wall particles that the wall treatment needs; not
-   collective */
+/* OperatorsPlacement - Returns the layers of wall particles that the wall treatment needs */
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls)
 {
   PetscFunctionBegin;
@@ -313,15 +297,15 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsForget - Lets OperatorsAssemble() assemble all matrices at the present positions again;
-   not collective */
+/* OperatorsForget - Lets OperatorsAssemble() assemble all matrices at the present positions
+   again */
 void OperatorsForget(Operators *ops)
 {
   ops->moved = -1;
 }
 
 /* OperatorsBesideSurface - Returns true if own particle i or fluid within its support is on a free
-   surface; not collective */
+   surface */
 PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i)
 {
   const Pattern *fluid = &ops->rows.fluid;

@@ -5,12 +5,9 @@
 */
 #include "isph/operators.h"
 
-/*
-  PatternBegin - Empties a pattern and allocates room for rows
-
-  Not collective. Input: has_columns - the global columns are kept; rows - number of own rows;
-  entries - an upper bound of the number of all entries.
-*/
+/* PatternBegin - Empties a pattern and allocates room for rows. Input: has_columns - the global
+   columns are kept; rows - number of own rows; entries - an upper bound of the number of all
+   entries. */
 PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt rows,
                             PetscInt entries)
 {
@@ -61,7 +58,7 @@ static PetscInt SortColumns(PetscInt n, const PetscInt cols[], PetscInt sorted[]
 /*
   PatternRow - Adds row i; to be called for i = 0, 1, 2, ...
 
-  Not collective. A repeated column (a particle and its periodic image) becomes a single entry.
+  A repeated column (a particle and its periodic image) becomes a single entry.
 
   Input Parameters:
 + cols  - global columns in any order

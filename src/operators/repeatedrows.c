@@ -92,12 +92,9 @@ static PetscBool AreAlike(const RepeatTable *t, PetscInt i, PetscInt c)
   return HaveSame(t, &t->rows->fluid, i, c) && HaveSame(t, &t->rows->walls, i, c);
 }
 
-/*
-  FindRepeats - Finds an earlier equal row of each row
-
-  Not collective. Input: rows - the patterns. Input/Output: like - true for rows each of whose
-  columns is that of a single neighbour; out: an earlier equal row, or the row itself.
-*/
+/* FindRepeats - Finds an earlier equal row of each row. Input: rows - the patterns. Input/Output:
+   like - true for rows each of whose columns is that of a single neighbour; out: an earlier equal
+   row, or the row itself. */
 PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const OperatorRows *rows,
                            PetscInt like[])
 {
@@ -139,13 +136,9 @@ static PetscBool ContinuesRun(const OperatorRows *rows, const PetscInt like[], P
   return PETSC_TRUE;
 }
 
-/*
-  FindRuns - Lists runs of equal rows without walls whose columns follow each other, as along a line
-  of a lattice
-
-  Not collective. Input: like - of FindRepeats(). Output: rows->run - first row and number of rows
-  of each run.
-*/
+/* FindRuns - Lists runs of equal rows without walls whose columns follow each other, as along a
+   line of a lattice. Input: like - of FindRepeats(). Output: rows->run - first row and number of
+   rows of each run. */
 PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows)
 {
   const PetscInt n = rows->fluid.n;

@@ -1,7 +1,7 @@
 /* Matrices from sorted rows, and sums of matrices of different patterns. */
 #include "isph/operators.h"
 
-/* SparseRowsMalloc - Allocates n rows for SparseRowsMat(), which frees them; not collective */
+/* SparseRowsMalloc - Allocates n rows for SparseRowsMat(), which frees them */
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows)
 {
   PetscFunctionBegin;
@@ -30,8 +30,8 @@ static PetscErrorCode RowsDestroy(void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SparseRowsKeep - Keeps the arrays of rows with a matrix, which frees them at its end; not
-   collective. Input: name - of the rows, for SparseRowsGet(). */
+/* SparseRowsKeep - Keeps the arrays of rows with a matrix, which frees them at its end. Input: name
+   - of the rows, for SparseRowsGet(). */
 PetscErrorCode SparseRowsKeep(const SparseRows *rows, const char name[], Mat A)
 {
   PetscContainer container;
@@ -48,7 +48,7 @@ PetscErrorCode SparseRowsKeep(const SparseRows *rows, const char name[], Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SparseRowsGet - Returns rows of SparseRowsKeep(), NULL if there are none; not collective */
+/* SparseRowsGet - Returns rows of SparseRowsKeep(), NULL if there are none */
 PetscErrorCode SparseRowsGet(Mat A, const char name[], SparseRows **rows)
 {
   PetscContainer container;

@@ -141,7 +141,7 @@ PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TangentDestroy - Frees the tangent; not collective */
+/* TangentDestroy - Frees the tangent */
 PetscErrorCode TangentDestroy(StressTangent **tangent)
 {
   PetscFunctionBegin;

@@ -22,7 +22,7 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 
 /* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
    wall data from WallWeights(). The slot of the diagonal has the particle's own weight; a neighbour
-   that is its periodic image has none. Not collective. */
+   that is its periodic image has none. */
 void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width    = ops->velocity[0].visc.width;

@@ -79,12 +79,9 @@ static PetscBool IsOption(const char word[], const char name[])
   return strcmp(word, name) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/*
-  CommandLineRequest - Determines the request of a command line
-
-  Not collective. Input/Output: argc, argv - a word after -help is removed, because PETSc would
-  refuse it; -h and --help become -help. Output: word - to be searched for; NULL: none.
-*/
+/* CommandLineRequest - Determines the request of a command line. Input/Output: argc, argv - a word
+   after -help is removed, because PETSc would refuse it; -h and --help become -help. Output: word -
+   to be searched for; NULL: none. */
 Request CommandLineRequest(int *argc, char **argv, const char **word)
 {
   static char help[]  = "-help";
@@ -160,14 +157,9 @@ static PetscBool SkipsOwnFiles(int argc, char **argv)
   return skips;
 }
 
-/*
-  OptionsCheck - Checks all options that PETSc will read: of its own files, of the environment, of
-  the command line and its options files
-
-  Not collective; to be called before PetscInitialize(), where PETSc reads them.
-
-  Output: sentence - the first mistake; empty if there is none
-*/
+/* OptionsCheck - Checks all options that PETSc will read: of its own files, of the environment, of
+   the command line and its options files. To be called before PetscInitialize(), where PETSc reads
+   them. Output: sentence - the first mistake; empty if there is none. */
 void OptionsCheck(int argc, char **argv, char sentence[], size_t length)
 {
   const char *const home = getenv("HOME");

@@ -54,12 +54,8 @@ struct ExpressionScope {
   char             fault[512]; /* message for the first value that was not finite, or "" */
 };
 
-/*
-  ExpressionScopeCreate - Creates a scope with the constant pi
-
-  Not collective. Define other constants before the first expression is set. Input: dim - number of
-  coordinates.
-*/
+/* ExpressionScopeCreate - Creates a scope with the constant pi. Define other constants before the
+   first expression is set. Input: dim - number of coordinates. */
 PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
 {
   PetscFunctionBegin;
@@ -69,7 +65,7 @@ PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeDefine - Defines a constant for all expressions set later; not collective */
+/* ExpressionScopeDefine - Defines a constant for all expressions set later */
 PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value)
 {
   PetscFunctionBegin;
@@ -80,7 +76,7 @@ PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeField - Names a field that expressions set later may use; not collective */
+/* ExpressionScopeField - Names a field that expressions set later may use */
 PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[])
 {
   PetscFunctionBegin;
@@ -90,8 +86,7 @@ PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeKnows - Returns true if a name has a meaning in expressions already; not
-   collective */
+/* ExpressionScopeKnows - Returns true if a name has a meaning in expressions already */
 PetscBool ExpressionScopeKnows(const ExpressionScope *scope, const char name[])
 {
   PetscBool known = !strcmp(name, "x") || !strcmp(name, "y") || !strcmp(name, "z") ||
@@ -106,15 +101,14 @@ PetscBool ExpressionScopeKnows(const ExpressionScope *scope, const char name[])
   return known;
 }
 
-/* ExpressionScopeFieldsAt - Sets the function that gives the fields at a place and time; not
-   collective */
+/* ExpressionScopeFieldsAt - Sets the function that gives the fields at a place and time */
 void ExpressionScopeFieldsAt(ExpressionScope *scope, FieldsAt fields, void *ctx)
 {
   scope->fields = fields;
   scope->ctx    = ctx;
 }
 
-/* ExpressionScopeDestroy - Destroys a scope with all its expressions; not collective */
+/* ExpressionScopeDestroy - Destroys a scope with all its expressions */
 PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
 {
   PetscFunctionBegin;
@@ -125,14 +119,14 @@ PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
 }
 
 /* ExpressionScopeIsIdle - Returns true if all expressions of a scope are plain numbers, so that the
-   scope is not needed; not collective */
+   scope is not needed */
 PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
 {
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /* ExpressionScopeForget - Forgets a value that was not finite; returns true if there was one on
-   this rank; not collective */
+   this rank */
 PetscBool ExpressionScopeForget(ExpressionScope *scope)
 {
   const PetscBool fault = scope && scope->fault[0] ? PETSC_TRUE : PETSC_FALSE;
@@ -141,13 +135,8 @@ PetscBool ExpressionScopeForget(ExpressionScope *scope)
   return fault;
 }
 
-/*
-  ExpressionScopeCheck - Ends the run if an expression had an infinite value or NaN on any rank
-
-  Collective on PETSC_COMM_WORLD. Input: scope - may be NULL if there are no expressions.
-
-  Errors: the message names the option, the place and the time
-*/
+/* ExpressionScopeCheck - Ends the run if an expression had an infinite value or NaN on any rank;
+   collective on PETSC_COMM_WORLD. Input: scope - may be NULL if there are no expressions. */
 PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
 {
   PetscMPIInt rank, first;
@@ -346,8 +335,6 @@ static char *SplitComponent(char text[])
 
   Output Parameter:
 . e - valid as long as the scope exists
-
-  Errors: a text with wrong syntax, unknown names, or a wrong number of components ends the run
 */
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e)
@@ -397,13 +384,13 @@ PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionNumber - Returns a constant expression with a single component; not collective */
+/* ExpressionNumber - Returns a constant expression with a single component */
 Expression ExpressionNumber(PetscReal value)
 {
   return (Expression){.n = 1, .value = {value}};
 }
 
-/* ExpressionIsGiven - Returns true if a component is not always zero; not collective */
+/* ExpressionIsGiven - Returns true if a component is not always zero */
 PetscBool ExpressionIsGiven(const Expression *e)
 {
   for (PetscInt c = 0; c < e->n; c++)
@@ -411,8 +398,8 @@ PetscBool ExpressionIsGiven(const Expression *e)
   return PETSC_FALSE;
 }
 
-/* ExpressionUses - Returns true if any component depends on the given variables, position or time;
-   not collective */
+/* ExpressionUses - Returns true if any component depends on the given variables, position or
+   time */
 PetscBool ExpressionUses(const Expression *e, unsigned what)
 {
   for (PetscInt c = 0; c < e->n; c++) {
@@ -421,12 +408,9 @@ PetscBool ExpressionUses(const Expression *e, unsigned what)
   return PETSC_FALSE;
 }
 
-/*
-  ExpressionProbe - Returns component c at a position and time, also if its value is not finite
-
-  Not collective. x may be NULL for expressions of time alone. For values that the flow does not
-  depend on; see ExpressionValue().
-*/
+/* ExpressionProbe - Returns component c at a position and time, also if its value is not finite. x
+   may be NULL for expressions of time alone. For values that the flow does not depend on; see
+   ExpressionValue(). */
 PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
 {
   ExpressionScope *scope = e->scope;
@@ -444,12 +428,9 @@ PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const Pe
   return mupEval(e->parser[c]);
 }
 
-/*
-  ExpressionValue - Returns component c at a position and time; zero if the expression is not set
-
-  Not collective. x may be NULL for expressions of time alone. For a value that is not finite the
-  function returns zero and records the fault for ExpressionScopeCheck().
-*/
+/* ExpressionValue - Returns component c at a position and time; zero if the expression is not set.
+   x may be NULL for expressions of time alone. For a value that is not finite the function returns
+   zero and records the fault for ExpressionScopeCheck(). */
 PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
 {
   ExpressionScope *scope = e->scope;
@@ -473,7 +454,7 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
 }
 
 /* ExpressionBlame - Records for ExpressionScopeCheck() that the last value of component c is not
-   allowed; not collective. Input: must - the condition, as "must be positive" */
+   allowed. Input: must - the condition, as "must be positive" */
 void ExpressionBlame(const Expression *e, PetscInt c, PetscReal value, const char must[])
 {
   ExpressionScope *scope = e->scope;
@@ -486,16 +467,14 @@ void ExpressionBlame(const Expression *e, PetscInt c, PetscReal value, const cha
                  (double)value, scope->x[0], scope->x[1], scope->t, must);
 }
 
-/* ExpressionFields - Computes the present fields at a place and time; not collective */
+/* ExpressionFields - Computes the present fields at a place and time */
 void ExpressionFields(const Expression *e, PetscReal t, const PetscReal x[], PetscReal value[])
 {
   if (e->scope && e->scope->fields) e->scope->fields(e->scope->ctx, t, x, value);
 }
 
-/*
-  ExpressionOf - Returns component c at a position and time for given values of the fields and of
-  the strain rate g, as ExpressionValue(); not collective
-*/
+/* ExpressionOf - Returns component c at a position and time for given values of the fields and of
+   the strain rate g, as ExpressionValue() */
 PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                        const PetscReal field[], PetscReal g)
 {
@@ -517,9 +496,8 @@ PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const Petsc
   ExpressionRate - Returns the time derivative of component c by a centred difference,
   [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
 
-  Not collective. Input: tau - time in which the expression changes [s]. For an oscillation of
-  angular frequency w the relative error is (1e-5 w tau)^2/6. The expression is never evaluated at
-  negative times.
+  Input: tau - time in which the expression changes [s]. For an oscillation of angular frequency w
+  the relative error is (1e-5 w tau)^2/6. The expression is never evaluated at negative times.
 */
 PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                          PetscReal tau)

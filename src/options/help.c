@@ -84,7 +84,6 @@ static void PrintWrapped(FILE *out, int column, const char text[])
   (void)fputc('\n', out);
 }
 
-/* Prints the entry of an option in -help. */
 static void PrintOption(FILE *out, const OptionRow *row)
 {
   char      text[TEXT_LENGTH] = "", part[TEXT_LENGTH];
@@ -131,7 +130,7 @@ static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
   }
 }
 
-/* UsagePrint - Prints how to begin, for a command line without options; not collective */
+/* UsagePrint - Prints how to begin, for a command line without options */
 void UsagePrint(FILE *out)
 {
   (void)fputs(
@@ -163,11 +162,8 @@ static PetscBool IsForAll(const OptionTable *table)
 
 #define EXPERT "Expert: for studies of the numerics"
 
-/*
-  HelpSearch - Prints the options that have a word in their name, meaning or other names
-
-  Not collective; needs neither PETSc nor MPI to be initialized. Prints that there is none.
-*/
+/* HelpSearch - Prints the options that have a word in their name, meaning or other names. Needs
+   neither PETSc nor MPI to be initialized. Prints that there is none. */
 void HelpSearch(FILE *out, const char word[])
 {
   PetscInt found = 0;
@@ -187,11 +183,8 @@ void HelpSearch(FILE *out, const char word[])
     (void)fprintf(out, "no option has \"%s\" in its name or meaning; -help lists all\n", word);
 }
 
-/*
-  HelpPrint - Prints the options that most runs need, then all options of isph, in groups
-
-  Not collective; needs neither PETSc nor MPI to be initialized.
-*/
+/* HelpPrint - Prints the options that most runs need, then all options of isph, in groups. Needs
+   neither PETSc nor MPI to be initialized. */
 void HelpPrint(FILE *out)
 {
   UsagePrint(out);
@@ -260,11 +253,8 @@ static void PrintRows(FILE *out, const OptionTable *table, PetscBool expert)
   }
 }
 
-/*
-  ReferencePrint - Prints the reference page of all options, in Markdown
-
-  Not collective; needs neither PETSc nor MPI to be initialized.
-*/
+/* ReferencePrint - Prints the reference page of all options, in Markdown. Needs neither PETSc nor
+   MPI to be initialized. */
 void ReferencePrint(FILE *out)
 {
   (void)fputs(
@@ -297,18 +287,15 @@ void ReferencePrint(FILE *out)
   for (PetscInt t = 0; OptionTableGet(t); t++) PrintRows(out, OptionTableGet(t), PETSC_TRUE);
 }
 
-/* VersionCommit - Returns the git commit of the program, empty if unknown; not collective */
+/* VersionCommit - Returns the git commit of the program, empty if unknown */
 const char *VersionCommit(void)
 {
   return ISPH_COMMIT;
 }
 
-/*
-  VersionPrint - Prints the versions of isph, PETSc, hypre, HDF5 and MPI
-
-  Not collective; needs neither PETSc nor MPI to be initialized. Versions are read from the
-  libraries at run time, except for hypre, whose version is from the build of PETSc.
-*/
+/* VersionPrint - Prints the versions of isph, PETSc, hypre, HDF5 and MPI. Needs neither PETSc nor
+   MPI to be initialized. Versions are read from the libraries at run time, except for hypre, whose
+   version is from the build of PETSc. */
 void VersionPrint(FILE *out)
 {
   PetscInt     major, minor, subminor;

@@ -10,20 +10,20 @@
 static const OptionTable *const *known; /* all tables, NULL after the last */
 
 /* OptionsKnow - Hands in all tables of options, NULL after the last, which must exist to the end of
-   the program; not collective. Without them, as in tests of a part, readers take any
-   name, but OptionsRefuseUnknown() knows none. */
+   the program. Without them, as in tests of a part, readers take any name, but
+   OptionsRefuseUnknown() knows none. */
 void OptionsKnow(const OptionTable *const tables[])
 {
   known = tables;
 }
 
-/* OptionsAreKnown - Returns true if OptionsKnow() has handed in the tables; not collective */
+/* OptionsAreKnown - Returns true if OptionsKnow() has handed in the tables */
 PetscBool OptionsAreKnown(void)
 {
   return known ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* OptionTableGet - Returns option table k, NULL after the last; not collective */
+/* OptionTableGet - Returns option table k, NULL after the last */
 const OptionTable *OptionTableGet(PetscInt k)
 {
   return known ? known[k] : NULL;
@@ -57,7 +57,7 @@ static PetscBool Matches(const char pattern[], const char *const places[], const
 }
 
 /* OptionNext - Returns the first option of a table from row *k on, NULL after the last, and sets *k
-   to the row after it; not collective */
+   to the row after it */
 const OptionRow *OptionNext(const OptionTable *table, PetscInt *k)
 {
   while (*k < table->count) {
@@ -69,8 +69,7 @@ const OptionRow *OptionNext(const OptionTable *table, PetscInt *k)
   return NULL;
 }
 
-/* OptionFind - Returns the row of an option by its name, with the dash; NULL: unknown; not
-   collective */
+/* OptionFind - Returns the row of an option by its name, with the dash; NULL: unknown */
 const OptionRow *OptionFind(const char name[])
 {
   for (PetscInt t = 0; OptionTableGet(t); t++) {
@@ -83,11 +82,8 @@ const OptionRow *OptionFind(const char name[])
   return NULL;
 }
 
-/*
-  OptionFill - Makes the row of one option from a pattern: -scene_body_<k> and 3 give -scene_body_3
-
-  Not collective. Output: name - storage of the row's name, which must exist as long as the row.
-*/
+/* OptionFill - Makes the row of one option from a pattern: -scene_body_<k> and 3 give
+   -scene_body_3. Output: name - storage of the row's name, which must exist as long as the row. */
 void OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LENGTH],
                 OptionRow *row)
 {
@@ -101,8 +97,7 @@ void OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LE
   row->name = name;
 }
 
-/* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
-   collective */
+/* OptionNumber - Makes the option row of item k from a pattern with <k> in its name */
 void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
 {
   char number[32];
@@ -159,8 +154,7 @@ static PetscBool IsNear(PetscInt distance, const char a[], const char b[])
   return distance <= most && distance < PetscMin(na, nb);
 }
 
-/* OptionTextHas - Returns true if a text, or NULL, has a word, in capitals or small letters; not
-   collective */
+/* OptionTextHas - Returns true if a text, or NULL, has a word, in capitals or small letters */
 PetscBool OptionTextHas(const char text[], const char word[])
 {
   for (; text && *text; text++)
@@ -180,7 +174,7 @@ static PetscBool IsAlso(const OptionRow *row, const char name[])
 /*
   OptionNearest - Finds the known option nearest to a misspelt one, or that with this other name
 
-  Not collective. Input: name - with its dash; <k> in patterns takes the first number in it.
+  Input: name - with its dash; <k> in patterns takes the first number in it.
 
   Output Parameter:
 . nearest - the known name, with its dash

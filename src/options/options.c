@@ -28,7 +28,7 @@ static PetscBool IsNumber(const char text[], double *number)
   return end != text && !*end;
 }
 
-/* OptionRangeText - Writes the range of a row, empty if it has none; not collective */
+/* OptionRangeText - Writes the range of a row, empty if it has none */
 void OptionRangeText(const OptionRow *row, char text[], size_t length)
 {
   text[0] = '\0';
@@ -66,8 +66,6 @@ static PetscErrorCode CheckReal(const OptionRow *row, const char text[], PetscRe
 
   Output Parameter:
 . given - the user gave the option; may be NULL
-
-  Errors: refuses other text, and numbers outside the range of the row, also infinities and NaN
 */
 PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given)
 {
@@ -114,14 +112,9 @@ PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *gi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetSwitch - Reads true or false; an option without a value is true
-
-  Collective. Output: value - if the option is not given, the default of the row if it is true or
-  false, otherwise unchanged; given - may be NULL.
-
-  Errors: refuses any other word
-*/
+/* OptionGetSwitch - Reads true or false; an option without a value is true; collective. Output:
+   value - if the option is not given, the default of the row if it is true or false, otherwise
+   unchanged; given - may be NULL. */
 PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool *given)
 {
   const char *const words[] = {"", "true", "yes", "on", "1", "0", "false", "no", "off", NULL};
@@ -153,8 +146,6 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
 + value - the numbers; unchanged if the option is not given
 . n     - their count; 0 if the option is not given
 - given - may be NULL
-
-  Errors: refuses more than capacity, other text, and numbers that are not finite
 */
 PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal value[],
                               PetscInt *n, PetscBool *given)
@@ -215,13 +206,8 @@ PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetText - Reads the text of an option, for callers that parse it
-
-  Collective. Output: text - empty where the option is not given; given - may be NULL.
-
-  Errors: refuses a text that does not fit
-*/
+/* OptionGetText - Reads the text of an option, for callers that parse it; collective. Output: text
+   - empty where the option is not given; given - may be NULL. */
 PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], PetscBool *given)
 {
   const char *typed;
@@ -271,8 +257,6 @@ PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]
 
   Output Parameter:
 . chosen - address of a pointer to the row (any row type)
-
-  Errors: refuses an unknown name, with a list of the known ones
 */
 PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *chosen)
 {

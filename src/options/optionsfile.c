@@ -16,7 +16,7 @@
 #define MAX_TOKENS 4 /* examined words of a line */
 
 /* OptionBegins - Returns true if a word begins an option: a dash or two and a letter, but no number
-   such as -inf or -e5; not collective */
+   such as -inf or -e5 */
 PetscBool OptionBegins(const char word[])
 {
   const char *letter = word + (word[0] == '-' && word[1] == '-' ? 2 : 1);
@@ -27,7 +27,7 @@ PetscBool OptionBegins(const char word[])
   return end == word || *end == '_' || isalnum((unsigned char)*end);
 }
 
-/* OptionNamesFile - Returns true for options by which PETSc reads another file; not collective */
+/* OptionNamesFile - Returns true for options by which PETSc reads another file */
 PetscBool OptionNamesFile(const char option[])
 {
   const OptionRow *row = OptionFind(option);
@@ -74,7 +74,7 @@ static void CheckValue(const char source[], const char option[], const char valu
 }
 
 /* OptionsNextWord - Cuts the next word off a text as PETSc does: at blanks, but not within double
-   quotes that begin a word; returns NULL at the end; not collective */
+   quotes that begin a word; returns NULL at the end */
 char *OptionsNextWord(char **text)
 {
   const char *ends = " \t";
@@ -123,12 +123,8 @@ static PetscBool IsYaml(const char path[], FILE *file)
 static void CheckFile(const char option[], const char path[], int depth, char sentence[],
                       size_t length);
 
-/*
-  OptionsPairCheck - Checks an option and its value
-
-  Not collective; to be called before PetscInitialize(). Input: value - NULL if there is none.
-  Output: sentence - the mistake; unchanged if there is none
-*/
+/* OptionsPairCheck - Checks an option and its value. To be called before PetscInitialize(). Input:
+   value - NULL if there is none. Output: sentence - the mistake; unchanged if there is none. */
 void OptionsPairCheck(const OptionsPlace *place, const char option[], const char value[],
                       char sentence[], size_t length)
 {
@@ -229,7 +225,7 @@ static void CheckFile(const char option[], const char path[], int depth, char se
 /*
   OptionsFileCheck - Checks an options file and its included files
 
-  Not collective; to be called before PetscInitialize().
+  To be called before PetscInitialize().
 
   Input Parameters:
 + option - option that gives the file; NULL: PETSc reads the file only if it exists

@@ -20,11 +20,10 @@ static PetscReal Limited(PetscReal slope, PetscReal before, PetscReal after)
 
     s_k = (d_k-1 h_k + d_k h_k-1)/(h_k-1 + h_k),   d_k = (y_k+1 - y_k)/h_k,   h_k = t_k+1 - t_k,
 
-  the slope of the parabola through three values, at an end through the last three. It is at most
-  2 min(|d_k-1|, |d_k|), and 0 where d changes its sign or is 0. The curve then has no extremum
+  the slope of the parabola through three values, at an end through the last three. It is at most 2
+  min(|d_k-1|, |d_k|), and 0 where d changes its sign or is 0. The curve then has no extremum
   between two values, dy/dt is continuous, and the error is of order h^3 where y is monotone, of
-  order h^2 at extrema. Not collective. Input: t, y; slope - n places. Returns: NULL, or a fault of
-  the times.
+  order h^2 at extrema. Input: t, y; slope - n places. Returns: NULL, or a fault of the times.
 
   Reference: M. Steffen, Astron. Astrophys. 239 (1990) 443, with his limit of monotone cubics
 */
@@ -53,7 +52,7 @@ const char *TimeCurveSet(TimeCurve *curve)
 /*
   TimeCurveValue - Returns the value of a curve at time t; beyond its ends that of the last cubic
 
-  Not collective. With x = (t - t_k)/h_k between t_k and t_k+1
+  With x = (t - t_k)/h_k between t_k and t_k+1
 
     y = y_k + x h_k s_k + x^2 [3 D - h_k (2 s_k + s_k+1)] + x^3 [h_k (s_k + s_k+1) - 2 D],
     D = y_k+1 - y_k

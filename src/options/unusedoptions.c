@@ -66,8 +66,6 @@ static PetscErrorCode Refuse(const char name[])
 
   Input Parameter:
 . deferred_too - true: refuses also unread options of IsDeferred(), which PETSc reads only later
-
-  Errors: names the first such option, with the runs that use it, or the nearest known name
 */
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
 {

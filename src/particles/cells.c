@@ -72,8 +72,6 @@ static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
 /*
   CellsBuild - Sorts all local particles, own and halo, into cells
 
-  Not collective
-
   Input Parameters:
 + particles - the particles, with an up-to-date halo
 - size      - edge of a cell [m]; enlarged if almost all cells would be empty
@@ -117,11 +115,7 @@ PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cel
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CellsFree - Frees the arrays; the cells can be built again
-
-  Not collective
-*/
+/* CellsFree - Frees the arrays; the cells can be built again */
 PetscErrorCode CellsFree(Cells *cells)
 {
   PetscFunctionBegin;
@@ -134,8 +128,8 @@ PetscErrorCode CellsFree(Cells *cells)
 
 #define SORT_SHORT 128 /* longest list sorted by insertion */
 
-/* SortIndices - Sorts a list of different indices in ascending order; not collective. Particles are
-   numbered by cells when an epoch starts, so that lists from cells are nearly in order. */
+/* SortIndices - Sorts a list of different indices in ascending order. Particles are numbered by
+   cells when an epoch starts, so that lists from cells are nearly in order. */
 PetscErrorCode SortIndices(PetscInt n, PetscInt list[])
 {
   PetscFunctionBegin;
@@ -177,8 +171,6 @@ static inline void ListWithin(const Cells *cells, PetscInt first, PetscInt last,
   CellsFind - Lists the local particles within a radius of a point
 
     |x_j - x| < radius
-
-  Not collective
 
   Input Parameters:
 + cells  - the cells

@@ -51,8 +51,7 @@ static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
   return OwnerAt(p, ranks, x);
 }
 
-/* ParticlesRankAt - Returns the rank whose box contains a position in the box of the scene; not
-   collective */
+/* ParticlesRankAt - Returns the rank whose box contains a position in the box of the scene */
 PetscInt ParticlesRankAt(const Particles *p, const PetscReal x[])
 {
   PetscMPIInt ranks;
@@ -222,7 +221,6 @@ static PetscErrorCode GroupsSplit(Particles *p, PetscInt of[], PetscInt *n_group
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes new boxes of all ranks. */
 static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks)
 {
   PetscInt n_groups = ranks > 1 ? 1 : 0, *of;

@@ -28,7 +28,6 @@ static inline PetscReal ItemValue(const Items *items, PetscInt k, PetscInt place
                            : items->record[(size_t)(k - items->n_kept) * items->width + place];
 }
 
-/* Returns the id of item k. */
 static inline PetscInt64 ItemId(const Items *items, PetscInt k, const Particles *p)
 {
   return k < items->n_kept
@@ -36,7 +35,6 @@ static inline PetscInt64 ItemId(const Items *items, PetscInt k, const Particles 
              : (PetscInt64)items->record[(size_t)(k - items->n_kept) * items->width + RECORD_ID];
 }
 
-/* Returns the kind of item k. */
 static inline ParticleKind ItemKind(const Items *items, PetscInt k, const Particles *p)
 {
   return k < items->n_kept

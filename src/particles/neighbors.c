@@ -11,8 +11,6 @@
 /*
   NeighborsCreate - Creates an empty set of rows
 
-  Not collective
-
   Input Parameters:
 + radius  - largest radius of a particle, at most Particles.halo_width [m]; two particles are
             neighbours if they are closer than the larger of their radii
@@ -31,11 +29,7 @@ PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  NeighborsDestroy - Frees the neighbours
-
-  Not collective
-*/
+/* NeighborsDestroy - Frees the neighbours */
 PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
 {
   PetscFunctionBegin;
@@ -45,11 +39,7 @@ PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  NeighborsRelease - Frees rows and cells that nothing reads any more; the next update builds them
-
-  Not collective
-*/
+/* NeighborsRelease - Frees rows and cells; the next update builds them */
 PetscErrorCode NeighborsRelease(Neighbors *nb)
 {
   PetscFunctionBegin;
@@ -224,12 +214,9 @@ PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  NeighborsSearch - Prepares NeighborsFindRows(), which needs much less memory than all rows at once
-
-  Not collective. Does nothing if the rows of the present positions are there; otherwise previous
-  rows are lost. NeighborsRelease() ends the search.
-*/
+/* NeighborsSearch - Prepares NeighborsFindRows(), which needs much less memory than all rows at
+   once. Does nothing if the rows of the present positions are there; otherwise previous rows are
+   lost. NeighborsRelease() ends the search. */
 PetscErrorCode NeighborsSearch(const Particles *p, Neighbors *nb)
 {
   PetscFunctionBegin;
@@ -240,12 +227,8 @@ PetscErrorCode NeighborsSearch(const Particles *p, Neighbors *nb)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  NeighborsFindRows - Makes the rows of own fluid particles first, ..., first + count - 1 available;
-  a search loses other rows
-
-  Not collective. To be called after NeighborsSearch().
-*/
+/* NeighborsFindRows - Makes the rows of own fluid particles first, ..., first + count - 1
+   available; a search loses other rows. To be called after NeighborsSearch(). */
 PetscErrorCode NeighborsFindRows(const Particles *p, PetscInt first, PetscInt count, Neighbors *nb)
 {
   PetscFunctionBegin;

@@ -64,10 +64,6 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   Input Parameters:
 + scene      - the scene
 - halo_width - largest interaction radius of any operator [m]
-
-  Options Database Key:
-. -skin <4> - width of the halo beyond halo_width; half of it is the largest displacement within an
-              epoch [dx]
 */
 PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particles **particles)
 {
@@ -160,14 +156,9 @@ PetscErrorCode ParticlesResize(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
-  order
-
-  Not collective. It applies the finaliser of SplitMix64 twice. Input: axis - less than 4.
-
-  Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
-*/
+/* ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
+   order. It applies the finaliser of SplitMix64 twice. Input: axis - less than 4. Reference: G. L.
+   Steele, D. Lea, C. H. Flood, OOPSLA 2014. */
 PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
 {
   uint64_t z = (uint64_t)seed * 0xD1342543DE82EF95u + (uint64_t)id * 4u + (uint64_t)axis;
@@ -181,7 +172,7 @@ PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
   return 2.0 * (((PetscReal)(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
 }
 
-/* ParticlesShare - Computes the range [first, last) of this rank among n items; not collective */
+/* ParticlesShare - Computes the range [first, last) of this rank among n items */
 void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
   PetscMPIInt rank = 0, ranks = 1;

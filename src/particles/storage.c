@@ -4,14 +4,9 @@
 */
 #include "impl.h"
 
-/*
-  ParticlesReserve - Reserves room for n particles, own and halo, in every array, and keeps values
-
-  Not collective
-
-  Note: new entries are zero. Capacity is never less than 1, so that an existing field is never
-  NULL.
-*/
+/* ParticlesReserve - Reserves room for n particles, own and halo, in every array, and keeps values.
+   Note: new entries are zero. Capacity is never less than 1, so that an existing field is never
+   NULL. */
 PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 {
   const PetscInt old      = p->capacity;
@@ -86,11 +81,8 @@ PetscInt ParticlesRecordWidth(const Particles *p)
   return width;
 }
 
-/*
-  RecordsBegin - Lists all components of all fields in the order of a record
-
-  Not collective. Output: columns - valid until capacity or fields change; free with RecordsEnd().
-*/
+/* RecordsBegin - Lists all components of all fields in the order of a record. Output: columns -
+   valid until capacity or fields change; free with RecordsEnd(). */
 PetscErrorCode RecordsBegin(const Particles *p, RecordColumns *columns)
 {
   PetscFunctionBegin;
@@ -111,7 +103,7 @@ PetscErrorCode RecordsEnd(RecordColumns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RecordPack - Copies id, kind and fields of local particle i to a record; not collective */
+/* RecordPack - Copies id, kind and fields of local particle i to a record */
 void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, PetscReal record[])
 {
   record[RECORD_ID]   = (PetscReal)p->id[i]; /* exact: ids stay below PARTICLES_MAX_ID */
@@ -119,18 +111,14 @@ void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, Pe
   for (PetscInt k = 0; k < columns->n; k++) record[RECORD_FIELDS + k] = columns->values[k][i];
 }
 
-/* RecordUnpack - Copies the fields of a record to local particle i; not collective */
+/* RecordUnpack - Copies the fields of a record to local particle i */
 void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscInt i)
 {
   for (PetscInt k = 0; k < columns->n; k++) columns->values[k][i] = record[RECORD_FIELDS + k];
 }
 
-/*
-  ParticlesPack - Copies own particles with all fields to records
-
-  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in the
-  order of local indices.
-*/
+/* ParticlesPack - Copies own particles with all fields to records. Output: record - ParticlesOwn()
+   records of ParticlesRecordWidth() numbers, in the order of local indices. */
 PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
 {
   const PetscInt width = ParticlesRecordWidth(p);
@@ -180,12 +168,9 @@ static PetscBool IsWhole(PetscReal number, PetscReal bound)
   return number >= 0.0 && number < bound && number == PetscFloorReal(number);
 }
 
-/*
-  ParticlesValidRecord - Determines if a record of a file can be the record of a particle
-
-  Not collective. Its id is smaller than p->next_id, its kind is known, and the numbers of its
-  fields are finite and within their bounds.
-*/
+/* ParticlesValidRecord - Determines if a record of a file can be the record of a particle. Its id
+   is smaller than p->next_id, its kind is known, and the numbers of its fields are finite and
+   within their bounds. */
 PetscBool ParticlesValidRecord(const Scene *scene, const Particles *p, const PetscReal record[])
 {
   const PetscReal *number = &record[RECORD_FIELDS];

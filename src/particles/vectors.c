@@ -34,15 +34,7 @@ static PetscErrorCode TryVector(MPI_Comm comm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  VectorsCheckType - Refuses a type of vectors that PETSc cannot make on these ranks
-
-  Collective.
-
-  Options Database Key:
-. -vec_type - type of the vectors that allocate their storage; a vector whose storage is a particle
-              field has the standard type
-*/
+/* VectorsCheckType - Refuses a type of vectors that PETSc cannot make on these ranks; collective */
 PetscErrorCode VectorsCheckType(MPI_Comm comm)
 {
   const char    *type;
@@ -91,8 +83,7 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FluidSumOwn - Sums f, or f^2 if `squared`, over the own fluid, weighted by ParticlesWeight(); not
-   collective */
+/* FluidSumOwn - Sums f, or f^2 if `squared`, over the own fluid, weighted by ParticlesWeight() */
 PetscErrorCode FluidSumOwn(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
   const PetscScalar *value;
@@ -143,8 +134,6 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
 
 /*
   LocalValues - Collects the values of a scalar by local index, without the halo
-
-  Not collective.
 
   Input Parameters:
 + f, walls - values over own fluid and own wall particles; NULL: zeros

@@ -53,7 +53,6 @@ static PetscReal PolynomialLaplacian(const FieldRow *row, PetscInt dim, PetscInt
   return PolynomialSum(row, dim, seed, x, PETSC_TRUE);
 }
 
-/* Returns x^4 + y^4 + z^4. */
 static PetscReal ZhengValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   PetscReal sum = 0.0;
@@ -62,7 +61,6 @@ static PetscReal ZhengValue(const FieldRow *row, PetscInt dim, PetscInt seed, co
   return sum;
 }
 
-/* Returns 12 |x|^2. */
 static PetscReal ZhengLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed,
                                 const PetscReal x[])
 {

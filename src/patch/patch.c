@@ -205,19 +205,8 @@ static PetscErrorCode PatchDestroy(Patch *patch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatchRun - Runs a patch test from its scene to its report
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-+ -patch_field name  - row of FieldTable
-. -patch_repeats K   - repetitions of the timed part
-. -patch_spectrum    - reports eigenvalues and condition number, see PatchSpectrum()
-- -patch_solve       - solves a Poisson problem, see PatchSolve()
-
-  Notes: lengths are in units of the side of the square or cube
-*/
+/* PatchRun - Runs a patch test from its scene to its report; collective on PETSC_COMM_WORLD. Notes:
+   lengths are in units of the side of the square or cube. */
 PetscErrorCode PatchRun(Scene *scene)
 {
   Patch          patch = {0};

@@ -14,17 +14,9 @@ static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatchSolve - Solves the Poisson problem by the KSP with prefix ppe_
-
-  Collective. Reports solution_l2 and solution_linf, the errors relative to the field; solve_its,
-  the number of iterations; setup_s and solve_s, the times of KSPSetUp() and KSPSolve() [s].
-
-  Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - options of PETSc; the default tolerance is 1e-10
-
-  Errors: a true residual that is too large ends the run
-*/
+/* PatchSolve - Solves the Poisson problem by the KSP with prefix ppe_; collective. Reports
+   solution_l2 and solution_linf, the errors relative to the field; solve_its, the number of
+   iterations; setup_s and solve_s, the times of KSPSetUp() and KSPSolve() [s]. */
 PetscErrorCode PatchSolve(const Patch *patch, Report *report)
 {
   Guard          guard   = {.solve = {.name = "Poisson", .prefix = "ppe_"}, .where = "patch test"};

@@ -40,8 +40,6 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   Collective. Reports eig_min and eig_max, the least and largest real part of the eigenvalues [-],
   and condition, the largest singular value divided by the least [-]. LAPACK computes all
   eigenvalues, redundantly on every rank.
-
-  Errors: more than SPECTRUM_MOST rows end the run
 */
 PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
 {

@@ -162,7 +162,6 @@ static PetscErrorCode ReadLaw(ExpressionScope *scope, PetscInt k, ScalarLaw law,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the description of scalar k. */
 static PetscErrorCode ReadScalar(ExpressionScope *scope, PetscInt k, ScalarGiven *s)
 {
   const struct {
@@ -209,7 +208,7 @@ PetscErrorCode ScalarsRead(ExpressionScope *scope, ScalarGiven **scalars, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ScalarAtStart - Returns a scalar at a place at the start; not collective */
+/* ScalarAtStart - Returns a scalar at a place at the start */
 PetscReal ScalarAtStart(const ScalarGiven *given, const PetscReal x[])
 {
   const Expression *e = given->start.n ? &given->start : &given->exact;
@@ -217,7 +216,7 @@ PetscReal ScalarAtStart(const ScalarGiven *given, const PetscReal x[])
   return e->n ? ExpressionValue(e, 0, 0.0, x) : 0.0;
 }
 
-/* ScalarsFree - Frees the descriptions; not collective */
+/* ScalarsFree - Frees the descriptions */
 PetscErrorCode ScalarsFree(ScalarGiven **scalars, PetscInt n)
 {
   PetscFunctionBegin;

@@ -212,8 +212,6 @@ static void AddOpenings(const Scene *scene, const KernelRow *kernel, const Stenc
   mirror images if wall particles lie on the surface, otherwise the dummies: docs/theory.md, (10).
   Mirror images continue it beyond free surfaces too.
 
-  Not collective.
-
   Input Parameters:
 + x        - position of particle i [m]
 - mirrored - flag: mirror images, not wall particles, represent the fluid beyond walls

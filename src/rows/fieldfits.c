@@ -111,9 +111,9 @@ static PetscErrorCode Clear(PetscInt dim, const FieldGradients *of)
 /*
   OperatorsFitGradients - Computes gradients of fields at a range of particles by fits of a degree
 
-  Not collective. The fits have the neighbours of the operators, with the equations of boundaries on
-  the surface for a velocity, and none for a stress. If the neighbours do not determine a degree,
-  the next lower one stands.
+  The fits have the neighbours of the operators, with the equations of boundaries on the surface for
+  a velocity, and none for a stress. If the neighbours do not determine a degree, the next lower one
+  stands.
 
   Input/Output Parameter:
 . of - in: range, degree and fields; out: gradients, Laplacians, and whether the degree is
@@ -164,8 +164,8 @@ PetscErrorCode OperatorsFitGradients(const Scene *scene, const Particles *p, con
 
     d_i = |grad_3 u - grad_2 u|
 
-  Not collective. |.| is Frobenius' norm. d_i is of order dx^2, like the error of the gradients of a
-  run, and large where the particles do not resolve the velocity.
+  |.| is Frobenius' norm. d_i is of order dx^2, like the error of the gradients of a run, and large
+  where the particles do not resolve the velocity.
 
   Input/Output Parameter:
 . of - in: the range of particles; out: gradient and d_i, which is the norm of the whole gradient if

@@ -15,8 +15,7 @@ const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
     "conserves_momentum", "conserves_angular_momentum",
     "dissipates"};
 
-/* FormDescribe - Appends the names of properties to a text, such as "null_constants, symmetric";
-   not collective */
+/* FormDescribe - Appends the names of properties to a text, such as "null_constants, symmetric" */
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 {
   PetscFunctionBegin;
@@ -29,10 +28,10 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 /*
   LaplacianIs - Returns true if the chosen Laplacian has a property
 
-  Not collective. A Laplacian with a correction of the kernel, or with particles of several sizes,
-  is never symmetric: correction and kernel differ from particle to particle. It has none of the
-  properties that follow from symmetry either. With shares of volumes on free surfaces
-  the matrix is symmetric in these volumes only, which is enough for its dissipation.
+  A Laplacian with a correction of the kernel, or with particles of several sizes, is never
+  symmetric: correction and kernel differ from particle to particle. It has none of the properties
+  that follow from symmetry either. With shares of volumes on free surfaces the matrix is symmetric
+  in these volumes only, which is enough for its dissipation.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
@@ -45,15 +44,14 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 }
 
 /* LaplacianShare - Returns the part of the volume of own particle i that is fluid: about a half on
-   free surfaces of forms with shares, which pass through the particles, otherwise 1 [-]; not
-   collective */
+   free surfaces of forms with shares, which pass through the particles, otherwise 1 [-] */
 PetscReal LaplacianShare(const LaplacianForm *form, PetscInt i)
 {
   return form->share ? form->share[i] : 1.0;
 }
 
 /* LaplacianWidth - Returns the number of weights for each neighbour in a row: dim^2 if the form
-   couples velocity components, otherwise 1; not collective */
+   couples velocity components, otherwise 1 */
 PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 {
   return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
@@ -62,8 +60,8 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 /*
   ComposedTrace - Returns the factor t of the trace in the stress g + g^T - t tr(g) I
 
-  Not collective. The stress of Fang et al. has no trace in dim dimensions, t = 2/dim; that of Basa
-  et al. none in three, t = 2/3.
+  The stress of Fang et al. has no trace in dim dimensions, t = 2/dim; that of Basa et al. none in
+  three, t = 2/3.
 
   Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eqs (5),
   (6); M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (4)
@@ -73,14 +71,9 @@ PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
   return form->planar ? 2.0 / dim : 2.0 / 3.0;
 }
 
-/*
-  LaplacianDilatation - Returns the factor c of a form that approximates lap u + (c - 1) grad div u
-
-  The rotational pressure update subtracts c rho nu div u*, u* the predicted velocity:
-  docs/theory.md, (84) and (85).
-
-  Not collective.
-*/
+/* LaplacianDilatation - Returns the factor c of a form that approximates lap u + (c - 1) grad div
+   u. The rotational pressure update subtracts c rho nu div u*, u* the predicted velocity:
+   docs/theory.md, (84) and (85). */
 PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 {
   if (form->row->weak) return 2.0;
@@ -89,8 +82,6 @@ PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 
 /*
   LaplacianWeights - Computes the row of the chosen Laplacian
-
-  Not collective.
 
   Output Parameter:
 . w - w[k] multiplies f_k - f_i [m^-2]; for wall neighbours and for st->own see LaplacianRow
@@ -160,7 +151,7 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
 }
 
 /* OperatorsCorrection - Returns the name of the kernel correction in the run's Laplacians, or
-   "none"; not collective */
+   "none" */
 const char *OperatorsCorrection(const Operators *ops)
 {
   if (ops->forms.visc.correction) return ops->forms.visc.correction->name;
@@ -170,7 +161,7 @@ const char *OperatorsCorrection(const Operators *ops)
 
 /*
   WeighByViscosity - Multiplies the weights of a Laplacian by the mean viscosities of pairs over
-  scene->nu; a wall neighbour has the viscosity of particle i; not collective
+  scene->nu; a wall neighbour has the viscosity of particle i
 
     (div(nu grad u))_i = sum_j w_ij nu_ij (u_j - u_i),   nu_ij = 2 nu_i nu_j/(nu_i + nu_j)
 

@@ -108,7 +108,7 @@ static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 }
 
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
-   functions read; not collective */
+   functions read */
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                              const Operators *ops, PetscInt i, Stencil *st)
 {

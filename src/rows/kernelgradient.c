@@ -132,8 +132,6 @@ static void RenormalisedGradients(Stencil *st, PetscReal M[], PetscReal *c[])
 
   The gradient of a field is sum_k c_k (f_k - f_i).
 
-  Not collective.
-
   Input Parameter:
 . correction - CorrectionBit; 0: none
 
@@ -155,13 +153,9 @@ void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
   if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, M, c);
 }
 
-/*
-  StencilGradients - Computes st->slope, the gradients of KernelGradients(), unless the stencil has
-  them
-
-  Not collective. Forms and sums that share a correction share its moment matrix. Code that changes
-  the volumes of the neighbours sets st->sloped to SLOPE_NONE.
-*/
+/* StencilGradients - Computes st->slope, the gradients of KernelGradients(), unless the stencil has
+   them. Forms and sums that share a correction share its moment matrix. Code that changes the
+   volumes of the neighbours sets st->sloped to SLOPE_NONE. */
 void StencilGradients(Stencil *st, unsigned correction)
 {
   if (st->sloped == correction) return;

@@ -115,7 +115,7 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 
     w_k = 2 X.c_k/r^2,   c of KernelGradients() with the same correction
 
-  Not collective. The component of c_k along the pair is -V_k W', with W' of the correction.
+  The component of c_k along the pair is -V_k W', with W' of the correction.
 */
 PetscBool LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction)
 {

@@ -294,15 +294,15 @@ const LaplacianRow LaplacianSurfaceStress = {
     .Factor = Factor_PairwiseStress,
 };
 
-/* LaplacianFitsSurface - Returns true if the form has the conditions of a free surface in its fits;
-   not collective */
+/* LaplacianFitsSurface - Returns true if the form has the conditions of a free surface in its
+   fits */
 PetscBool LaplacianFitsSurface(const LaplacianForm *form)
 {
   return form->row == &LaplacianSurface || form->row == &LaplacianSurfaceStress;
 }
 
-/* OperatorsStressSurface - Returns true if the rows of div on free surfaces give the pressure
-   2 mu n.E n of the velocity; not collective */
+/* OperatorsStressSurface - Returns true if the rows of div on free surfaces give the pressure 2 mu
+   n.E n of the velocity */
 PetscBool OperatorsStressSurface(const Operators *ops)
 {
   return ops->free && ops->forms.visc.row == &LaplacianSurface;

@@ -3,7 +3,7 @@
 */
 #include "isph/rows.h"
 
-/* StencilCreate - Creates an empty stencil; not collective */
+/* StencilCreate - Creates an empty stencil */
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 {
   PetscFunctionBegin;
@@ -75,7 +75,7 @@ static ISPH_INLINE void FillReals(PetscInt from, PetscInt to, PetscReal value, P
 }
 
 /* StencilFinish - Lists the wall neighbours of a stencil whose neighbours have places, volumes and
-   kinds, and ends the arrays that sums read in neighbours without volume; not collective */
+   kinds, and ends the arrays that sums read in neighbours without volume */
 ISPH_WIDE void StencilFinish(Stencil *st)
 {
   const PetscInt n = st->n, end = LanesPadded(n);
@@ -102,32 +102,26 @@ static void SetEquation(Stencil *st, PetscInt k, Equation equation)
   st->equation[k] = equation;
 }
 
-/*
-  StencilSetQuantity - Sets the equations that wall neighbours give to fits of a quantity
-
-  Not collective. Keeps the fit if no equation changes. A dummy gives a fit its value or no
-  equation; boundary_rows.c applies the condition of its boundary.
-*/
+/* StencilSetQuantity - Sets the equations that wall neighbours give to fits of a quantity. Keeps
+   the fit if no equation changes. A dummy gives a fit its value or no equation; boundary_rows.c
+   applies the condition of its boundary. */
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)
 {
   for (PetscInt k = 0; st->n_wall && k < st->n; k++)
     if (st->wall[k]) SetEquation(st, k, BoundaryEquation(scene, st->side[k], quantity));
 }
 
-/* StencilSetVelocity - Sets the equations that wall neighbours give to fits of velocity component
-   c; not collective */
+/* StencilSetVelocity - Sets the equations that wall neighbours give to fits of velocity
+   component c */
 void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 {
   for (PetscInt k = 0; st->n_wall && k < st->n; k++)
     if (st->wall[k]) SetEquation(st, k, BoundaryVelocityEquation(scene, st->side[k], c));
 }
 
-/*
-  StencilSetSize - Sets the lengths that follow from the spacing of the particle
-
-  Not collective. See docs/theory.md, (118). Does nothing if the spacing is the same as before. Fits
-  multiply equations of derivatives by half the radius of the support.
-*/
+/* StencilSetSize - Sets the lengths that follow from the spacing of the particle. See
+   docs/theory.md, (118). Does nothing if the spacing is the same as before. Fits multiply equations
+   of derivatives by half the radius of the support. */
 void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *st)
 {
   if (dx == st->dx) return;

@@ -7,7 +7,7 @@
 /*
   OperatorsStream - Gathers the stencil of each own fluid particle and calls a function with it
 
-  Not collective. Walls are values of fits, and free surfaces have no equations.
+  Walls are values of fits, and free surfaces have no equations.
 
   Input Parameters:
 + Row - reads the stencil, whose volumes it may replace

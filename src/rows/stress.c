@@ -170,7 +170,7 @@ static inline PetscReal PairStrength(const Stencil *st, PetscInt k)
 }
 
 /* Factor_PairwiseStress - Returns the factor B_i of particle i: 1 inside a uniform fluid, 2 on its
-   plane free surface; not collective */
+   plane free surface */
 PetscReal Factor_PairwiseStress(const Stencil *st)
 {
   const PetscReal d   = st->dim;

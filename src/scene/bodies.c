@@ -180,13 +180,9 @@ PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BodySet - Sets a body from the numbers of its shape [m]
-
-  Not collective. The fluid is outside the body. Its centre, about which it may rotate, is the
-  centroid of its area or volume. The scene gives the ends of prisms in 3D. Returns: NULL, or a
-  message about the wrong numbers.
-*/
+/* BodySet - Sets a body from the numbers of its shape [m]. The fluid is outside the body. Its
+   centre, about which it may rotate, is the centroid of its area or volume. The scene gives the
+   ends of prisms in 3D. Returns: NULL, or a message about the wrong numbers. */
 const char *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
                     Body *body)
 {
@@ -198,7 +194,7 @@ const char *BodySet(Scene *scene, const ShapeRow *shape, PetscInt n, const Petsc
 }
 
 /* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y), in 3D to a cylinder along z
-   [m]; not collective */
+   [m] */
 void BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
 {
   const PetscReal number[3] = {x, y, r};
@@ -206,7 +202,7 @@ void BodyCircle(Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
   (void)BodySet(scene, scene->dim == 3 ? &ShapeCylinder : &ShapeCircle, 3, number, body);
 }
 
-/* BodyBox - Sets a body to the box from lo to hi [m]; not collective */
+/* BodyBox - Sets a body to the box from lo to hi [m] */
 void BodyBox(Scene *scene, const PetscReal lo[], const PetscReal hi[], Body *body)
 {
   PetscReal number[2 * ISPH_MAX_DIM];
@@ -218,7 +214,7 @@ void BodyBox(Scene *scene, const PetscReal lo[], const PetscReal hi[], Body *bod
   (void)BodySet(scene, scene->dim == 3 ? &ShapeCuboid : &ShapeBox, 2 * scene->dim, number, body);
 }
 
-/* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m]; not collective */
+/* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m] */
 void BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
 {
   PetscReal number[ISPH_MAX_DIM + 1];
@@ -229,15 +225,14 @@ void BodyBall(Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
 }
 
 /* BodyPolygon - Sets a body to a polygon with 3 or more corners x, y [m], in 3D to the body that it
-   makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault; not
-   collective */
+   makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault */
 const char *BodyPolygon(Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
 {
   return BodySet(scene, scene->dim == 3 ? &ShapeRevolved : &ShapePolygon, 2 * corners, x, body);
 }
 
 /* BodyOutline - Returns the plane shape of the outline of a body along z, or of the meridian of one
-   that revolves; plane shapes are their own outline; NULL if there is none; not collective */
+   that revolves; plane shapes are their own outline; NULL if there is none */
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
 {
   return scene->dim == 2 ? body->shape : body->shape->outline;
@@ -285,11 +280,8 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
   return best;
 }
 
-/*
-  BodyArm - Computes the vector from the centre of a body to x [m]
-
-  Not collective. In a periodic box the image of the body nearest to x is used.
-*/
+/* BodyArm - Computes the vector from the centre of a body to x [m]. In a periodic box the image of
+   the body nearest to x is used. */
 void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[ISPH_MAX_DIM])
 {
   PetscReal normal[ISPH_MAX_DIM];
@@ -299,12 +291,9 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
   if (body->pose) PoseTurn(body->pose, PETSC_FALSE, arm);
 }
 
-/*
-  BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
-
-  Not collective. In a periodic box the nearest image of the body is used. Output: normal - into the
-  fluid, at the surface point nearest to x.
-*/
+/* BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]. In a
+   periodic box the nearest image of the body is used. Output: normal - into the fluid, at the
+   surface point nearest to x. */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
 {
@@ -331,7 +320,7 @@ static PetscReal BoxDistance(const Scene *scene, const Body *body, const PetscRe
 }
 
 /* BodyDistanceWithin - Returns BodyDistance(), or any number larger than `most`, without a normal,
-   if the distance is certainly larger [m]; not collective */
+   if the distance is certainly larger [m] */
 PetscReal BodyDistanceWithin(const Scene *scene, const Body *body, const PetscReal x[],
                              PetscReal most, PetscReal normal[])
 {

@@ -72,7 +72,7 @@ static void Reserve(Scene *scene, PetscInt n)
   (void)PetscArrayzero(scene->boundary + had, scene->boundary_capacity - had);
 }
 
-/* SceneFreeShapes - Frees the boundaries and the memory of all shapes of a scene; not collective */
+/* SceneFreeShapes - Frees the boundaries and the memory of all shapes of a scene */
 PetscErrorCode SceneFreeShapes(Scene *scene)
 {
   PetscFunctionBegin;
@@ -81,27 +81,27 @@ PetscErrorCode SceneFreeShapes(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SceneSetSide - Sets the kind of one side of the box; not collective */
+/* SceneSetSide - Sets the kind of one side of the box */
 void SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind)
 {
   Reserve(scene, side + 1);
   scene->boundary[side].kind = kind;
 }
 
-/* SceneSetAxis - Sets the kind of both sides of the box along an axis; not collective */
+/* SceneSetAxis - Sets the kind of both sides of the box along an axis */
 void SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind)
 {
   for (PetscInt end = 0; end < 2; end++) SceneSetSide(scene, 2 * axis + end, kind);
 }
 
-/* SceneSetSides - Sets the kind of all sides of the box; not collective */
+/* SceneSetSides - Sets the kind of all sides of the box */
 void SceneSetSides(Scene *scene, const BoundaryRow *kind)
 {
   for (PetscInt a = 0; a < scene->dim; a++) SceneSetAxis(scene, a, kind);
 }
 
 /* SceneAddBody - Adds a body that is a wall at rest; returns its boundary, valid until the next is
-   added; not collective */
+   added */
 Boundary *SceneAddBody(Scene *scene)
 {
   const PetscInt side = SceneBodySide(scene, scene->n_bodies++);
@@ -111,44 +111,39 @@ Boundary *SceneAddBody(Scene *scene)
   return &scene->boundary[side];
 }
 
-/* SceneBodySide - Returns the number of body k among the boundaries; not collective */
+/* SceneBodySide - Returns the number of body k among the boundaries */
 PetscInt SceneBodySide(const Scene *scene, PetscInt k)
 {
   return 2 * scene->dim + k;
 }
 
-/* SceneBoundaries - Returns the number of boundaries; not collective */
+/* SceneBoundaries - Returns the number of boundaries */
 PetscInt SceneBoundaries(const Scene *scene)
 {
   return SceneBodySide(scene, scene->n_bodies);
 }
 
-/* SceneBody - Returns the geometry of body k; not collective */
+/* SceneBody - Returns the geometry of body k */
 const Body *SceneBody(const Scene *scene, PetscInt k)
 {
   return &scene->boundary[SceneBodySide(scene, k)].body;
 }
 
-/* BoundaryBody - Returns the geometry of a body, NULL for a side of the box; not collective */
+/* BoundaryBody - Returns the geometry of a body, NULL for a side of the box */
 const Body *BoundaryBody(const Scene *scene, PetscInt side)
 {
   return side < SceneBodySide(scene, 0) ? NULL : &scene->boundary[side].body;
 }
 
-/* BoundaryEquation - Returns the equation that a boundary adds to the fit of a quantity; not
-   collective */
+/* BoundaryEquation - Returns the equation that a boundary adds to the fit of a quantity */
 Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity)
 {
   return scene->boundary[side].kind->equation[quantity];
 }
 
-/*
-  BoundaryVelocityEquation - Returns the equation that a boundary adds to the fit of velocity
-  component c
-
-  Not collective. A side of the box distinguishes the normal from the tangential components. A body
-  uses its equation for the normal velocity for all components.
-*/
+/* BoundaryVelocityEquation - Returns the equation that a boundary adds to the fit of velocity
+   component c. A side of the box distinguishes the normal from the tangential components. A body
+   uses its equation for the normal velocity for all components. */
 Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
 {
   const PetscBool normal = BoundaryBody(scene, side) || c == side / 2;
@@ -157,7 +152,7 @@ Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
 }
 
 /* SceneWallName - Writes the name of a boundary, such as "left", "body_1" or "domain", to an array
-   of WALL_NAME characters; not collective */
+   of WALL_NAME characters */
 void SceneWallName(const Scene *scene, PetscInt side, char name[])
 {
   const PetscInt body = side - SceneBodySide(scene, 0);
@@ -167,7 +162,7 @@ void SceneWallName(const Scene *scene, PetscInt side, char name[])
   else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
 }
 
-/* SceneHasBoundary - Returns true if any boundary has all the given properties; not collective */
+/* SceneHasBoundary - Returns true if any boundary has all the given properties */
 PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++)
@@ -176,7 +171,7 @@ PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
 }
 
 /* SceneSlipKind - Returns the first kind of boundary whose equations in fits differ for normal and
-   tangential velocity, or NULL; not collective */
+   tangential velocity, or NULL */
 const BoundaryRow *SceneSlipKind(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
@@ -188,7 +183,7 @@ const BoundaryRow *SceneSlipKind(const Scene *scene)
 }
 
 /* SceneFitKind - Returns a kind of boundary that has other equations than a wall, NULL if there is
-   none; only wall particles on the surface can meet them, in fits; not collective */
+   none; only wall particles on the surface can meet them, in fits */
 const BoundaryRow *SceneFitKind(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
@@ -200,12 +195,8 @@ const BoundaryRow *SceneFitKind(const Scene *scene)
   return NULL;
 }
 
-/*
-  ScenePressureFloats - Returns true if the constant of the pressure is undetermined, because no
-  boundary and no free surface gives a value of the pressure
-
-  Not collective. Solvers ask through gauge.c.
-*/
+/* ScenePressureFloats - Returns true if the constant of the pressure is undetermined, because no
+   boundary and no free surface gives a value of the pressure. Solvers ask through gauge.c. */
 PetscBool ScenePressureFloats(const Scene *scene)
 {
   if (SceneHasFreeSurface(scene)) return PETSC_FALSE;
@@ -219,8 +210,8 @@ PetscBool ScenePressureFloats(const Scene *scene)
   SceneSetLevel - Sets the level of the pressure: the pressure outside free surfaces, or else the
   mean of the pressures at t = 0 in the middle of the sides that give one; 0 if none does
 
-  Not collective. Tolerances of solves and rounding are relative to pressures less this level, so
-  that a large constant in all given pressures, such as an atmosphere, changes no velocity.
+  Tolerances of solves and rounding are relative to pressures less this level, so that a large
+  constant in all given pressures, such as an atmosphere, changes no velocity.
 */
 void SceneSetLevel(Scene *scene)
 {
@@ -241,7 +232,7 @@ void SceneSetLevel(Scene *scene)
 }
 
 /* SceneIsClosedBox - Returns true if the fluid fills a box, all sides confine it and the scene has
-   no body; not collective */
+   no body */
 PetscBool SceneIsClosedBox(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
@@ -250,13 +241,9 @@ PetscBool SceneIsClosedBox(const Scene *scene)
   return scene->n_bodies || scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/*
-  BodyGivenMotion - Computes the given velocity of the centre of a body [m/s] and its given angular
-  velocity [rad/s] at time t
-
-  Not collective. A given position or turn gives its rate by ExpressionRate(). A body that rides
-  has the motion of the frame.
-*/
+/* BodyGivenMotion - Computes the given velocity of the centre of a body [m/s] and its given angular
+   velocity [rad/s] at time t. A given position or turn gives its rate by ExpressionRate(). A body
+   that rides has the motion of the frame. */
 void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[],
                      PetscReal spin[])
 {
@@ -281,7 +268,7 @@ void BodyGivenMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u
 }
 
 /* BodyGivenPose - Sets place and attitude of a body to those given for time t; others, which follow
-   from velocities, stay; not collective */
+   from velocities, stay */
 void BodyGivenPose(const Scene *scene, PetscInt side, PetscReal t, Pose *pose)
 {
   const Boundary *boundary = &scene->boundary[side];
@@ -299,7 +286,7 @@ void BodyGivenPose(const Scene *scene, PetscInt side, PetscReal t, Pose *pose)
 }
 
 /* BodyMotion - Computes the velocity of the centre of a body [m/s] and its angular velocity
-   [rad/s]: those given for time t, or the present ones of a free body; not collective */
+   [rad/s]: those given for time t, or the present ones of a free body */
 void BodyMotion(const Scene *scene, PetscInt side, PetscReal t, PetscReal u[], PetscReal spin[])
 {
   const Boundary *boundary = &scene->boundary[side];
@@ -321,8 +308,7 @@ typedef struct {
   PetscReal bend;                           /* t.(t.grad) n with t = u/|u| [1/m] */
 } PartPlace;
 
-/* ScenePart - Returns the last part of the surface of the domain that has x, NULL if none has it;
-   not collective */
+/* ScenePart - Returns the last part of the surface of the domain that has x, NULL if none has it */
 const SurfacePart *ScenePart(const Scene *scene, const PetscReal x[])
 {
   const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
@@ -376,12 +362,11 @@ static PetscBool FindPart(const Scene *scene, PetscInt side, PetscReal t, const 
     u = V(t) + w(t) x (x - X)   for a body with centre X,   V(t, x) for a side of the box
     u = V(t, x) (1 + d b)       for a part of the surface of the domain
 
-  Not collective. Beside a part of the surface, at a distance d with the curvature b, the velocity
-  is that of a solid that follows the surface. In a turning frame V of a side is turned into its
-  axes. A case may define the
-  velocities of the sides by a function. An inflow is at rest outside its opening; in it the normal
-  velocity is (1 -+ surplus) V, - where it enters, so that no more enters than leaves, see
-  SceneCheckInflow().
+  Beside a part of the surface, at a distance d with the curvature b, the velocity is that of a
+  solid that follows the surface. In a turning frame V of a side is turned into its axes. A case may
+  define the velocities of the sides by a function. An inflow is at rest outside its opening; in it
+  the normal velocity is (1 -+ surplus) V, - where it enters, so that no more enters than leaves,
+  see SceneCheckInflow().
 */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[])
@@ -457,11 +442,10 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
 
     a = dV/dt + dw/dt x (x - X) + w x (w x (x - X))   for a body
 
-  The last term is absent without convection, because the equation of the fluid then has no
-  u.grad u either. For a side of the box the result is the normal component of dV/dt, because the
-  pressure does not depend on tangential acceleration; a part of the surface of the domain has
-  n.(u.grad) u = -u.(u.grad) n. Not collective. Derivatives are centred
-  differences (ExpressionRate()) over 2e-5 L/U.
+  The last term is absent without convection, because the equation of the fluid then has no u.grad u
+  either. For a side of the box the result is the normal component of dV/dt, because the pressure
+  does not depend on tangential acceleration; a part of the surface of the domain has n.(u.grad) u =
+  -u.(u.grad) n. Derivatives are centred differences (ExpressionRate()) over 2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                            PetscReal a[])
@@ -498,8 +482,7 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
 
     n.grad p = rho n.(f - a) [Pa/m],   or p [Pa] if the boundary gives its value
 
-  f is the body force, a the acceleration of the boundary; an inflow adds InflowPressureSlope(). Not
-  collective.
+  f is the body force, a the acceleration of the boundary; an inflow adds InflowPressureSlope().
 */
 PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             const PetscReal normal[])
@@ -530,11 +513,11 @@ static PetscReal Reach(const Scene *scene, const Body *body)
 /*
   SceneWallSpeedBound - Bounds the speed of the flow that a moving wall drives [m/s]
 
-  Not collective. Input: u - wall velocity at the surface point x. A wall that slides tangentially
-  drags fluid at its own speed at most. But a very viscous fluid outside a body may rotate with it
-  like a solid: the bound is then the speed of this rotation at the farthest corner of the box. A
-  wall that moves along its normal can squeeze fluid through gaps at any speed, and a pressure can
-  drive it through a boundary that does not confine it: the bound is infinite.
+  Input: u - wall velocity at the surface point x. A wall that slides tangentially drags fluid at
+  its own speed at most. But a very viscous fluid outside a body may rotate with it like a solid:
+  the bound is then the speed of this rotation at the farthest corner of the box. A wall that moves
+  along its normal can squeeze fluid through gaps at any speed, and a pressure can drive it through
+  a boundary that does not confine it: the bound is infinite.
 */
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[])
@@ -561,7 +544,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
     d|u|/dt <= -nu (pi/W)^2 |u|,  W: smallest distance between opposite sides without slip
 
   |u| is the root mean square (Poincare's inequality). The bound is zero without such a pair or
-  without viscosity. Not collective.
+  without viscosity.
 */
 PetscReal SceneDecayRate(const Scene *scene)
 {

@@ -6,13 +6,9 @@
 
 #define SAME_WAY 0.999 /* cosine of the angle between normals of two surfaces in a place */
 
-/*
-  SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
-  fluid [m]
-
-  Not collective. Output: nearest - number of this body, -1 if there is none (then the distance is
-  infinite); normal - into the fluid, at the surface point nearest to x.
-*/
+/* SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
+   fluid [m]. Output: nearest - number of this body, -1 if there is none (then the distance is
+   infinite); normal - into the fluid, at the surface point nearest to x. */
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[])
 {
@@ -30,8 +26,7 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
   return best;
 }
 
-/* SceneSideDistance - Returns the distance of x from a side of the box, positive in the box [m];
-   not collective */
+/* SceneSideDistance - Returns the distance of x from a side of the box, positive in the box [m] */
 PetscReal SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   const PetscInt a = side / 2;
@@ -50,7 +45,7 @@ static PetscInt SamplesAlong(const Scene *scene, PetscInt side, PetscInt axis)
       4.0 * least);
 }
 
-/* SideSamples - Returns the number of points of SideSample(); not collective */
+/* SideSamples - Returns the number of points of SideSample() */
 PetscInt SideSamples(const Scene *scene, PetscInt side)
 {
   PetscInt n = 1;
@@ -60,7 +55,7 @@ PetscInt SideSamples(const Scene *scene, PetscInt side)
 }
 
 /* SideSample - Computes point k of a lattice on a side of the box [m]; returns the area, or length,
-   that it represents [m^(dim-1)]; not collective */
+   that it represents [m^(dim-1)] */
 PetscReal SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[])
 {
   PetscReal area = 1.0;
@@ -78,7 +73,7 @@ PetscReal SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[
   return area;
 }
 
-/* SideEntering - Returns the component of u into the box through a side; not collective */
+/* SideEntering - Returns the component of u into the box through a side */
 PetscReal SideEntering(PetscInt side, const PetscReal u[])
 {
   return side % 2 ? -u[side / 2] : u[side / 2];
@@ -88,8 +83,8 @@ PetscReal SideEntering(PetscInt side, const PetscReal u[])
   SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
   properties, positive in the fluid [m]
 
-  Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
-  infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
+  Output: side - number of this boundary, -1 if there is none (then the distance is infinite). For a
+  point on a surface the distance is zero within SCENE_ON_SURFACE dx.
 */
 PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
                           PetscInt *side)
@@ -111,7 +106,7 @@ PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscRe
   return best;
 }
 
-/* SceneFluidDistance - Returns SceneDistanceTo() boundaries with particles [m]; not collective */
+/* SceneFluidDistance - Returns SceneDistanceTo() boundaries with particles [m] */
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
 {
   return SceneDistanceTo(scene, BOUNDARY_PARTICLES, x, side);
@@ -152,8 +147,8 @@ static PetscBool PlaneOf(const Scene *scene, PetscInt side, const PetscReal x[],
 /*
   SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x
 
-  Not collective. Used for mirror images, for the minimum distance from walls, and for the
-  extrapolation of wall velocities, which depend on geometry instead of particles.
+  Used for mirror images, for the minimum distance from walls, and for the extrapolation of wall
+  velocities, which depend on geometry instead of particles.
 
   Input Parameters:
 + x     - a point [m]
@@ -177,7 +172,7 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
 }
 
 /* SceneKeepOffWalls - Moves a position that is less than `least` [m] from a boundary with wall
-   particles, or behind it, to this distance, except where fluid leaves at time t; not collective */
+   particles, or behind it, to this distance, except where fluid leaves at time t */
 void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[])
 {
   WallPlane planes[WALL_PLANES];
@@ -193,7 +188,7 @@ void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscRe
 
 /* SceneBuries - Returns true if a point of the surface of a boundary is in the solid of another
    one, or on its surface: where both have one normal the first one keeps the point. Sides without
-   wall particles bury nothing. Not collective. */
+   wall particles bury nothing. */
 PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, const PetscReal x[])
 {
   const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
@@ -210,7 +205,7 @@ PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, con
 }
 
 /* SceneIsBuried - Returns true if any boundary buries a point of the surface of a boundary, which
-   is then no wall for the fluid; not collective */
+   is then no wall for the fluid */
 PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[])
 {
   for (PetscInt other = 0; other < SceneBoundaries(scene); other++)

@@ -7,20 +7,20 @@
 #define SAMPLES 8    /* along each side of a particle's cell */
 #define BESIDE  1e-4 /* distance at which both sides of a border are looked at [dx] */
 
-/* SceneViscosityVaries - Returns true if each particle has its own viscosity; not collective */
+/* SceneViscosityVaries - Returns true if each particle has its own viscosity */
 PetscBool SceneViscosityVaries(const Scene *scene)
 {
   return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene);
 }
 
-/* SceneFluids - Returns the number of fluids with interfaces between them; not collective */
+/* SceneFluids - Returns the number of fluids with interfaces between them */
 PetscInt SceneFluids(const Scene *scene)
 {
   return scene->n_regions + 1;
 }
 
 /* SceneFluidAt - Returns the number of the fluid at a place at the start: k of -scene_fluid_k, 0
-   outside their regions; not collective */
+   outside their regions */
 PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM];
@@ -31,15 +31,14 @@ PetscInt SceneFluidAt(const Scene *scene, const PetscReal x[])
 }
 
 /* SceneFluidViscosity - Returns the kinematic viscosity of a fluid by its number, at a place x at
-   the start, its reference if x is NULL [m^2/s]; not collective */
+   the start, its reference if x is NULL [m^2/s] */
 PetscReal SceneFluidViscosity(const Scene *scene, PetscInt fluid, const PetscReal x[])
 {
   if (fluid) return scene->region_nu[fluid - 1];
   return scene->nu_field.n && x ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
 }
 
-/* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s]; not
-   collective */
+/* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s] */
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
 {
   return SceneFluidViscosity(scene, SceneFluidAt(scene, x), x);
@@ -76,8 +75,7 @@ static BorderKind ClassifyBorder(const Scene *scene, const PetscReal x[], const 
   return fluid[0] != fluid[1] ? BORDER_INTERFACE : BORDER_COVERED;
 }
 
-/* InterfacePointsCreate - Lists points on the interfaces at the start, a spacing apart; not
-   collective */
+/* InterfacePointsCreate - Lists points on the interfaces at the start, a spacing apart */
 PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points)
 {
   const PetscInt dim  = scene->dim;
@@ -110,7 +108,7 @@ PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* InterfacePointsDestroy - Frees the points; not collective */
+/* InterfacePointsDestroy - Frees the points */
 PetscErrorCode InterfacePointsDestroy(InterfacePoints *points)
 {
   PetscFunctionBegin;
@@ -196,8 +194,8 @@ static PetscReal RegionInterface(const Scene *scene, const InterfacePoints *poin
   SceneInterface - Returns the distance of x from the nearest interface of two fluids at the start,
   at most `most` [m]
 
-  Not collective. Interfaces are where SceneFluidAt() changes; beyond walls and free surfaces they
-  are continued, so that distances beside a straight interface are those from its plane.
+  Interfaces are where SceneFluidAt() changes; beyond walls and free surfaces they are continued, so
+  that distances beside a straight interface are those from its plane.
 
   Input: points - of InterfacePointsCreate(). Output: normal - unit, from the interface to x, into
   the fluid of x; zero if there is no interface within `most`.
@@ -240,11 +238,8 @@ static void SampleOf(const Scene *scene, const PetscReal x[], PetscInt s, PetscR
   }
 }
 
-/*
-  SceneShare - Returns the share of the fluid at x in the fluid part of the lattice cell around x
-
-  Not collective. Output: other - the fluid that has the largest part of the rest.
-*/
+/* SceneShare - Returns the share of the fluid at x in the fluid part of the lattice cell around x.
+   Output: other - the fluid that has the largest part of the rest. */
 PetscReal SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other)
 {
   const PetscInt samples                     = SAMPLES * SAMPLES * (scene->dim == 3 ? SAMPLES : 1);
@@ -270,10 +265,10 @@ PetscReal SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other)
 
     1/nu = mean of 1/nu over the fluid part of the lattice cell around x
 
-  Not collective. The harmonic mean gives layers the right shear resistance wherever an interface
-  cuts the lattice, because resistances in series add. In other cells the viscosity is that at x.
-  For a fluid that is not Newtonian the result is the viscosity at the strain rate U/L, the first
-  guess of the iteration.
+  The harmonic mean gives layers the right shear resistance wherever an interface cuts the lattice,
+  because resistances in series add. In other cells the viscosity is that at x. For a fluid that is
+  not Newtonian the result is the viscosity at the strain rate U/L, the first guess of the
+  iteration.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */

@@ -11,7 +11,7 @@
 #define LOOK_MOST 4e7 /* points at which regions are looked at */
 
 /* SceneAddFilled - Adds a region that the fluid fills at the start, whose shape the caller sets;
-   returns the shape; not collective */
+   returns the shape */
 Body *SceneAddFilled(Scene *scene)
 {
   return &scene->filled[scene->n_filled++];
@@ -19,7 +19,7 @@ Body *SceneAddFilled(Scene *scene)
 
 /* SceneFillUpTo - Lets the fluid fill the box up to some sides, bits of their numbers, which are
    free surfaces at the start: beyond each the box goes on for its own length, and ends without a
-   boundary; not collective */
+   boundary */
 void SceneFillUpTo(Scene *scene, unsigned sides)
 {
   PetscReal end[2][ISPH_MAX_DIM];
@@ -46,7 +46,7 @@ void SceneFillUpTo(Scene *scene, unsigned sides)
 }
 
 /* SceneFilledDistance - Returns the distance of x from the border of a region that the fluid fills
-   at the start, positive in the fluid [m]; not collective */
+   at the start, positive in the fluid [m] */
 PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM];
@@ -64,13 +64,9 @@ static PetscBool IsTaken(const Scene *scene, const PetscReal x[])
   return scene->n_bodies && SceneFluidDistance(scene, x, &side) < 0.0;
 }
 
-/*
-  SceneDropFullRegions - Removes the regions that the fluid fills at the start if they leave no room
-  in the box: such a fluid has no free surface
-
-  Not collective; all ranks do the same. Looks at points dx/2 apart, unless they are more than
-  LOOK_MOST.
-*/
+/* SceneDropFullRegions - Removes the regions that the fluid fills at the start if they leave no
+   room in the box: such a fluid has no free surface. All ranks do the same. Looks at points dx/2
+   apart, unless they are more than LOOK_MOST. */
 void SceneDropFullRegions(Scene *scene)
 {
   PetscReal n[ISPH_MAX_DIM] = {1.0, 1.0, 1.0};
@@ -96,7 +92,7 @@ void SceneDropFullRegions(Scene *scene)
   scene->n_filled = 0;
 }
 
-/* SceneHasFreeSurface - Returns true if the fluid has a free surface; not collective */
+/* SceneHasFreeSurface - Returns true if the fluid has a free surface */
 PetscBool SceneHasFreeSurface(const Scene *scene)
 {
   return scene->n_filled ? PETSC_TRUE : PETSC_FALSE;

@@ -182,22 +182,9 @@ static PetscErrorCode RefuseGiven(const Scene *scene, const Boundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadFreedom - Reads the freedom of body k = 1, 2, ..., whose shape and motion are known
-
-  Collective. A body without density and mass is not free.
-
-  Options Database Keys:
-+ -scene_body_<k>_density d  - density; the mass follows from the shape [kg/m^3]
-. -scene_body_<k>_mass m     - mass in its place [kg]
-. -scene_body_<k>_inertia I  - moment of inertia, in 3D about x, y, z [kg m^2]
-. -scene_body_<k>_force f    - force besides those of the fluid and of -body_force [N] (t)
-. -scene_body_<k>_torque T   - torque about the centre [N m] (t)
-. -scene_body_<k>_spring k   - stiffness along each axis [N/m]
-- -scene_body_<k>_hold x,... - held components
-
-  Output: boundary->freedom. In 2D all are per metre of depth.
-*/
+/* SceneReadFreedom - Reads the freedom of body k = 1, 2, ..., whose shape and motion are known;
+   collective. A body without density and mass is not free. Output: boundary->freedom. In 2D all are
+   per metre of depth. */
 PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary)
 {
   const PetscInt axes    = scene->dim == 3 ? 3 : 1;
@@ -243,7 +230,7 @@ PetscErrorCode SceneReadFreedom(Scene *scene, PetscInt k, Boundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SceneHasFreeBodies - Returns true if a body moves by the forces on it; not collective */
+/* SceneHasFreeBodies - Returns true if a body moves by the forces on it */
 PetscBool SceneHasFreeBodies(const Scene *scene)
 {
   for (PetscInt k = 0; k < scene->n_bodies; k++)
@@ -306,16 +293,9 @@ static PetscErrorCode SetTurn(Scene *scene, PetscInt rows, PetscInt columns,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadMotionFile - Reads the motion of body k = 1, 2, ..., whose shape is known, from the file
-  of -scene_body_<k>_motion, if it is given
-
-  Collective. Output: boundary->position and boundary->turn; scene->motion_end - the last time of
-  files [s].
-
-  Errors: a file that cannot be read, has other columns, fewer than 2 rows, times that do not ascend
-  or begin after 0; particles that stay; another option that gives the motion or the place
-*/
+/* SceneReadMotionFile - Reads the motion of body k = 1, 2, ..., whose shape is known, from the file
+   of -scene_body_<k>_motion, if it is given; collective. Output: boundary->position and
+   boundary->turn; scene->motion_end - the last time of files [s]. */
 PetscErrorCode SceneReadMotionFile(Scene *scene, PetscInt k, Boundary *boundary)
 {
   static const char *const others[] = {"velocity", "position", "rotation", "place"};

@@ -10,7 +10,7 @@
 
 #define SAMPLES 2 /* along an edge of a lattice cell */
 
-/* SceneIsMapped - Returns true if cells of the lattice differ; not collective */
+/* SceneIsMapped - Returns true if cells of the lattice differ */
 PetscBool SceneIsMapped(const Scene *scene)
 {
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -68,7 +68,7 @@ static PetscReal MapStrength(PetscReal ratio)
 }
 
 /* SceneLatticePlace - Returns the coordinate of a place on the lattice, given in cells from the low
-   end of an axis [m]; not collective */
+   end of an axis [m] */
 PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
 {
   const LatticeMap *map = &scene->map[axis];
@@ -79,7 +79,7 @@ PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
 }
 
 /* SceneFromUniform - Returns the coordinate x of the point that has the coordinate y on the uniform
-   lattice, and sets slope to dx/dy [m], [-]; not collective */
+   lattice, and sets slope to dx/dy [m], [-] */
 PetscReal SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope)
 {
   const LatticeMap *map    = &scene->map[axis];
@@ -92,7 +92,7 @@ PetscReal SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, Petsc
 }
 
 /* SceneToUniform - Returns the coordinate on the uniform lattice of a point at x, or of the nearest
-   end of the axis if x is outside the box, the inverse of SceneFromUniform() [m]; not collective */
+   end of the axis if x is outside the box, the inverse of SceneFromUniform() [m] */
 PetscReal SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x)
 {
   const LatticeMap *map    = &scene->map[axis];
@@ -110,8 +110,7 @@ PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
   return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
 }
 
-/* SceneCellsAlong - Returns the number of cells of the reference spacing along an axis; not
-   collective */
+/* SceneCellsAlong - Returns the number of cells of the reference spacing along an axis */
 PetscInt SceneCellsAlong(const Scene *scene, PetscInt axis)
 {
   return (PetscInt)PetscFloorReal((scene->hi[axis] - scene->lo[axis]) / scene->dx + 0.5);
@@ -134,7 +133,7 @@ PetscErrorCode SceneCountCells(PetscInt n, const PetscInt count[], PetscInt *cel
 }
 
 /* SceneEdges - Computes the edges of a cell of the lattice that is centred at x, or that is nearest
-   to x in the half of a cell beside a side of the box [m]; not collective */
+   to x in the half of a cell beside a side of the box [m] */
 void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -151,7 +150,7 @@ void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
 }
 
 /* LatticeGrowth - Returns the largest growth of the edges of the lattice from a cell to the next
-   [-]; not collective */
+   [-] */
 PetscReal LatticeGrowth(const Scene *scene)
 {
   PetscReal growth = 0.0;
@@ -168,7 +167,7 @@ PetscReal LatticeGrowth(const Scene *scene)
 
 /*
   LatticeMotionEdge - Returns the mean of e^2 over the mean of e along an axis, with the edge e of
-  the cells [m]; not collective
+  the cells [m]
 
   Means are over the coordinate x. With T = tanh(beta) and the slope y' of the map
 
@@ -186,7 +185,7 @@ PetscReal LatticeMotionEdge(const Scene *scene, PetscInt axis)
 }
 
 /* LatticeSetMap - Sets the map of an axis from scene->spacing_wall; sides that are walls with no
-   slip have smaller cells; not collective */
+   slip have smaller cells */
 void LatticeSetMap(Scene *scene, PetscInt axis)
 {
   LatticeMap     *map = &scene->map[axis];
@@ -238,7 +237,7 @@ static PetscReal WantedSpacing(const Scene *scene, const PetscReal x[])
 }
 
 /* GradingSpacing - Returns the spacing at x of isotropic grading, within the bounds of its samples
-   [m]; not collective */
+   [m] */
 PetscReal GradingSpacing(const Scene *scene, const PetscReal x[])
 {
   const PetscReal wanted = scene->dx * WantedSpacing(scene, x);
@@ -292,7 +291,7 @@ static PetscReal EvenSpacing(const Scene *scene, PetscInt side)
 }
 
 /* GradingHasRows - Returns true if ordered rows of particles follow a boundary: in 3D the spacing
-   on it must be even; not collective */
+   on it must be even */
 PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 {
   if (scene->dim == 2) return PETSC_TRUE;

@@ -29,7 +29,6 @@ const BoundaryRow BoundaryInflow = {
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
 
-/* Returns the pressure on an outflow side [Pa]. */
 static PetscReal OutflowPressure(const Scene *scene, PetscInt side, PetscReal t,
                                  const PetscReal x[])
 {
@@ -87,7 +86,7 @@ const OptionTable OpeningOptions = OPTIONS("Openings of typed scenes", options);
 
 #define PARTS 8 /* of an edge of a cell, with which the open part of the cell is found in 3D */
 
-/* SceneHasOpenings - Returns true if particles enter or leave the box; not collective */
+/* SceneHasOpenings - Returns true if particles enter or leave the box */
 PetscBool SceneHasOpenings(const Scene *scene)
 {
   return SceneMoves(scene) &&
@@ -127,8 +126,7 @@ static PetscReal OpeningDepth(const Scene *scene, PetscInt side, const PetscReal
   return depth;
 }
 
-/* BoundaryIsOpen - Returns true if fluid passes the side at x with a given velocity; not
-   collective */
+/* BoundaryIsOpen - Returns true if fluid passes the side at x with a given velocity */
 PetscBool BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   PetscReal out[ISPH_MAX_DIM];
@@ -137,7 +135,7 @@ PetscBool BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[])
 }
 
 /* BoundaryLetsOut - Returns true if fluid near x can leave through a boundary at time t: through an
-   outflow, or with the given velocity of an inflow; not collective */
+   outflow, or with the given velocity of an inflow */
 PetscBool BoundaryLetsOut(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[])
 {
   PetscReal point[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
@@ -149,7 +147,7 @@ PetscBool BoundaryLetsOut(const Scene *scene, PetscInt side, PetscReal t, const 
   return SideEntering(side, u) < -PETSC_SQRT_MACHINE_EPSILON * scene->speed;
 }
 
-/* BoundaryIntoOpening - Moves a point of an inflow side into its opening; not collective */
+/* BoundaryIntoOpening - Moves a point of an inflow side into its opening */
 void BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[])
 {
   PetscReal       out[ISPH_MAX_DIM];
@@ -158,12 +156,9 @@ void BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[])
   for (PetscInt a = 0; depth < 0.0 && a < scene->dim; a++) x[a] += depth * out[a];
 }
 
-/*
-  BoundaryOpenPart - Returns the part of a cell about x on a side through which fluid can enter [-]
-
-  Not collective. It is exact in 2D. In 3D it is a sum over parts of the cell, each cut by the
-  tangent of the edge of the opening.
-*/
+/* BoundaryOpenPart - Returns the part of a cell about x on a side through which fluid can enter
+   [-]. It is exact in 2D. In 3D it is a sum over parts of the cell, each cut by the tangent of the
+   edge of the opening. */
 PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   const PetscReal *opening = scene->boundary[side].opening;
@@ -196,9 +191,8 @@ PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[
 
     rho (nu lap_s u_n - u_s.grad_s u_n + u_n div_s u_s),   s: along the side
 
-  Not collective. The last term is -u_n du_n/dn by div u = 0; d^2 u_n/dn^2 is not known and left
-  out. The derivatives are centred differences over 1e-3 of the side, at points this far from its
-  ends.
+  The last term is -u_n du_n/dn by div u = 0; d^2 u_n/dn^2 is not known and left out. The
+  derivatives are centred differences over 1e-3 of the side, at points this far from its ends.
 */
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[])
 {
@@ -305,18 +299,8 @@ PetscErrorCode SceneCheckVelocities(Scene *scene, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadOpenings - Reads the openings of inflow sides, whose kinds and velocities are set, and
-  the pressures of outflow sides
-
-  Collective.
-
-  Options Database Keys:
-+ -scene_opening_<side> a,b      - part of the side through which fluid enters [m]; in 3D a shape
-- -scene_outflow_<side>_pressure - pressure on the side [Pa] (x, y, t)
-
-  Errors: openings that are not part of the side end the run
-*/
+/* SceneReadOpenings - Reads the openings of inflow sides, whose kinds and velocities are set, and
+   the pressures of outflow sides; collective */
 PetscErrorCode SceneReadOpenings(Scene *scene)
 {
   PetscFunctionBegin;

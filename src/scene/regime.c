@@ -64,15 +64,15 @@ static PetscReal CellReynolds(const Scene *scene)
   return scene->speed * scene->dx / scene->nu_low;
 }
 
-/* RegimeSetFact - States if a fact holds; not collective */
+/* RegimeSetFact - States if a fact holds */
 void RegimeSetFact(Regime *regime, Fact fact, PetscBool holds)
 {
   if (holds) regime->facts |= (unsigned)fact;
   else regime->facts &= ~(unsigned)fact;
 }
 
-/* RegimeCreate - Creates the regime with the facts and numbers of the scene; not collective. To be
-   freed by the caller. */
+/* RegimeCreate - Creates the regime with the facts and numbers of the scene. To be freed by the
+   caller. */
 PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
 {
   const PetscReal cell = CellReynolds(scene);
@@ -100,7 +100,7 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RegimeHolds - Returns true if a row of a choice holds; not collective */
+/* RegimeHolds - Returns true if a row of a choice holds */
 PetscBool RegimeHolds(const Regime *regime, RegimeChoice choice, const RegimeRow *row)
 {
   const RegimeNumber number = RegimeTables[choice].number;
@@ -115,7 +115,7 @@ PetscBool RegimeHolds(const Regime *regime, RegimeChoice choice, const RegimeRow
              : PETSC_TRUE;
 }
 
-/* RegimeFind - Returns the row that holds for a choice; not collective */
+/* RegimeFind - Returns the row that holds for a choice */
 const RegimeRow *RegimeFind(const Regime *regime, RegimeChoice choice)
 {
   const RegimeTable *table = &RegimeTables[choice];
@@ -126,7 +126,7 @@ const RegimeRow *RegimeFind(const Regime *regime, RegimeChoice choice)
   return found;
 }
 
-/* RegimeWord - Reads a default that is a name; not collective */
+/* RegimeWord - Reads a default that is a name */
 const char *RegimeWord(Regime *regime, RegimeChoice choice)
 {
   regime->asked |= 1U << choice;
@@ -143,14 +143,14 @@ static PetscReal ValueOf(const RegimeRow *row, PetscReal x)
   return row->range.law == VALUE_INVERSE ? value * (row->range.above / x) : value;
 }
 
-/* RegimeValue - Reads a default that is a number; not collective */
+/* RegimeValue - Reads a default that is a number */
 PetscReal RegimeValue(Regime *regime, RegimeChoice choice)
 {
   regime->asked |= 1U << choice;
   return ValueOf(RegimeFind(regime, choice), regime->number[RegimeTables[choice].number]);
 }
 
-/* RegimeAllows - Returns true if the flow allows a choice; not collective */
+/* RegimeAllows - Returns true if the flow allows a choice */
 PetscBool RegimeAllows(Regime *regime, RegimeChoice choice)
 {
   return RegimeFind(regime, choice)->value ? PETSC_TRUE : PETSC_FALSE;
@@ -239,7 +239,6 @@ static void FlowsText(const RegimeTable *table, const RegimeRow *row, char text[
   if (!text[0]) TextAppend(text, size, "others");
 }
 
-/* Writes the value of a row. */
 static void ValueText(const RegimeRow *row, char text[], size_t size)
 {
   const PetscReal value =
@@ -251,12 +250,9 @@ static void ValueText(const RegimeRow *row, char text[], size_t size)
   else (void)snprintf(text, size, "%s", row->value ? row->value : "refused");
 }
 
-/*
-  RegimePrint - Prints the table of defaults that depend on the flow
-
-  Not collective; needs neither PETSc nor MPI to be initialized. Input: markdown - with reasons and
-  pages of the manual, otherwise for -catalogue.
-*/
+/* RegimePrint - Prints the table of defaults that depend on the flow. Needs neither PETSc nor MPI
+   to be initialized. Input: markdown - with reasons and pages of the manual, otherwise for
+   -catalogue. */
 void RegimePrint(FILE *out, PetscBool markdown)
 {
   (void)fputs(markdown ? "\n## Defaults by the regime\n\n" : "\nDefaults by the regime\n", out);

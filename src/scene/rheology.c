@@ -202,7 +202,7 @@ static const RheologyRow rheologies[] = {
 const Table RheologyTable = TABLE("Rheologies", rheologies);
 
 /* RheologyAt - Returns point k of the given coordinates with the present fields of the fluid there,
-   if a typed viscosity depends on the place; not collective. Input: x - by axis [m] */
+   if a typed viscosity depends on the place. Input: x - by axis [m] */
 FluidPlace RheologyAt(const Scene *scene, PetscReal *const x[], PetscInt k)
 {
   const Rheology *r  = &scene->rheology;
@@ -216,15 +216,15 @@ FluidPlace RheologyAt(const Scene *scene, PetscReal *const x[], PetscInt k)
 }
 
 /* RheologyViscosity - Returns the kinematic viscosity at a place, see RheologyAt(), and a strain
-   rate, within its bounds [m^2/s]; not collective */
+   rate, within its bounds [m^2/s] */
 PetscReal RheologyViscosity(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   return PetscMin(PetscMax(r->row->Nu(r, at, rate), r->low), r->high);
 }
 
 /* RheologySlope - Returns dnu/dg at a place and a strain rate g > 0, within the bounds of the
-   viscosity, by central differences over SLOPE_STEP g, whose error is of order SLOPE_STEP^2 [m^2];
-   not collective */
+   viscosity, by central differences over SLOPE_STEP g, whose error is of order SLOPE_STEP^2
+   [m^2] */
 PetscReal RheologySlope(const Rheology *r, const FluidPlace *at, PetscReal rate)
 {
   const PetscReal h = SLOPE_STEP * rate;
@@ -232,8 +232,7 @@ PetscReal RheologySlope(const Rheology *r, const FluidPlace *at, PetscReal rate)
   return (RheologyViscosity(r, at, rate + h) - RheologyViscosity(r, at, rate - h)) / (2.0 * h);
 }
 
-/* SceneIsNewtonian - Returns true if the viscosity does not depend on the strain rate; not
-   collective */
+/* SceneIsNewtonian - Returns true if the viscosity does not depend on the strain rate */
 PetscBool SceneIsNewtonian(const Scene *scene)
 {
   return !scene->rheology.row || !scene->rheology.row->Nu;

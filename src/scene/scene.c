@@ -48,8 +48,7 @@ static const MotionRow motions[] = {
 };
 const Table MotionTable = TABLE("Motions", motions);
 
-/* ScenePlaceText - Writes the coordinates of x, separated by commas; returns the text; not
-   collective */
+/* ScenePlaceText - Writes the coordinates of x, separated by commas; returns the text */
 const char *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT])
 {
   if (scene->dim == 2) (void)snprintf(text, PLACE_TEXT, "%.4g, %.4g", (double)x[0], (double)x[1]);
@@ -90,20 +89,20 @@ PetscBool SceneMoves(const Scene *scene)
   return scene->motion && scene->motion->particles_move;
 }
 
-/* BoundaryIs - Returns true if the kind of a boundary has all given properties; not collective */
+/* BoundaryIs - Returns true if the kind of a boundary has all given properties */
 PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
 {
   return (scene->boundary[side].kind->properties & properties) == properties;
 }
 
-/* SceneIsPeriodic - Returns true if the fluid continues at both ends of an axis; not collective */
+/* SceneIsPeriodic - Returns true if the fluid continues at both ends of an axis */
 PetscBool SceneIsPeriodic(const Scene *scene, PetscInt axis)
 {
   return BoundaryIs(scene, 2 * axis, BOUNDARY_CONTINUES);
 }
 
 /* SceneKeepsMomentum - Returns true if no boundary and no body force changes the momentum of the
-   fluid: a periodic box without bodies; not collective */
+   fluid: a periodic box without bodies */
 PetscBool SceneKeepsMomentum(const Scene *scene)
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -122,8 +121,7 @@ PetscBool SceneIsDrivenInTime(const Scene *scene)
          (scene->frame && SceneHas(scene, PHYSICS_BODY_FORCE));
 }
 
-/* SceneBodyForce - Computes the body force per unit mass at a position and time [m/s^2]; not
-   collective */
+/* SceneBodyForce - Computes the body force per unit mass at a position and time [m/s^2] */
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {
   PetscReal        y[ISPH_MAX_DIM];
@@ -135,7 +133,7 @@ void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscR
 }
 
 /* SceneFrameRate - Returns the rotation rate of the frame of reference, 0 in the laboratory
-   [rad/s]; not collective */
+   [rad/s] */
 PetscReal SceneFrameRate(const Scene *scene, PetscReal t)
 {
   return scene->frame ? ExpressionValue(&scene->frame->rate, 0, t, NULL) : 0.0;
@@ -152,13 +150,9 @@ static PetscReal Turned(const TurningFrame *frame, PetscReal a, PetscReal b)
           8.0 * ExpressionValue(&frame->rate, 0, middle, NULL));
 }
 
-/*
-  SceneFrameAngle - Returns the angle by which the frame has turned since t = 0, 0 in the
-  laboratory [rad]
-
-  Not collective. It depends on t alone, and not on the steps of a run. A steady flow, at t =
-  infinity, is that of the frame at t = 0.
-*/
+/* SceneFrameAngle - Returns the angle by which the frame has turned since t = 0, 0 in the
+   laboratory [rad]. It depends on t alone, and not on the steps of a run. A steady flow, at t =
+   infinity, is that of the frame at t = 0. */
 PetscReal SceneFrameAngle(const Scene *scene, PetscReal t)
 {
   TurningFrame   *f     = scene->frame;
@@ -191,7 +185,7 @@ static void Turn(PetscReal angle, PetscReal v[])
   v[1] = s * x + c * v[1];
 }
 
-/* SceneIntoBox - Moves a place into the box along periodic directions; not collective */
+/* SceneIntoBox - Moves a place into the box along periodic directions */
 void SceneIntoBox(const Scene *scene, PetscReal x[])
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -204,14 +198,14 @@ void SceneIntoBox(const Scene *scene, PetscReal x[])
 }
 
 /* SceneIntoFrame - Turns components along the axes of the laboratory into those along the axes of
-   the frame; not collective */
+   the frame */
 void SceneIntoFrame(const Scene *scene, PetscReal t, PetscReal v[])
 {
   if (scene->frame) Turn(-SceneFrameAngle(scene, t), v);
 }
 
 /* SceneOutOfFrame - Turns components along the axes of the frame into those along the axes of the
-   laboratory; not collective */
+   laboratory */
 void SceneOutOfFrame(const Scene *scene, PetscReal t, PetscReal v[])
 {
   if (scene->frame) Turn(SceneFrameAngle(scene, t), v);
@@ -227,22 +221,20 @@ static void TurnPlace(const TurningFrame *frame, PetscReal angle, PetscReal x[])
   for (PetscInt a = 0; a < 2; a++) x[a] = r[a] + frame->centre[a];
 }
 
-/* ScenePlaceIntoFrame - Turns a place of the laboratory into one of the frame [m]; not collective
- */
+/* ScenePlaceIntoFrame - Turns a place of the laboratory into one of the frame [m] */
 void ScenePlaceIntoFrame(const Scene *scene, PetscReal t, PetscReal x[])
 {
   if (scene->frame) TurnPlace(scene->frame, -SceneFrameAngle(scene, t), x);
 }
 
-/* ScenePlaceOutOfFrame - Turns a place of the frame into one of the laboratory [m]; not collective
- */
+/* ScenePlaceOutOfFrame - Turns a place of the frame into one of the laboratory [m] */
 void ScenePlaceOutOfFrame(const Scene *scene, PetscReal t, PetscReal x[])
 {
   if (scene->frame) TurnPlace(scene->frame, SceneFrameAngle(scene, t), x);
 }
 
 /* SceneLaboratoryPlace - Returns the place in the laboratory of a place of the frame: x, or y after
-   it is set [m]; not collective */
+   it is set [m] */
 const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const PetscReal x[],
                                       PetscReal y[ISPH_MAX_DIM])
 {
@@ -253,7 +245,7 @@ const PetscReal *SceneLaboratoryPlace(const Scene *scene, PetscReal t, const Pet
 }
 
 /* SceneFrameVelocity - Computes the velocity w z x r of a point that turns with the frame, 0 in the
-   laboratory [m/s]; not collective */
+   laboratory [m/s] */
 void SceneFrameVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal w[])
 {
   const PetscReal rate = SceneFrameRate(scene, t);
@@ -265,8 +257,7 @@ void SceneFrameVelocity(const Scene *scene, PetscReal t, const PetscReal x[], Pe
 }
 
 /* ScenePassing - Changes the velocity of the fluid at x into the one with which it convects past
-   fixed particles: less that of the frame, and without convection that alone [m/s]; not collective
- */
+   fixed particles: less that of the frame, and without convection that alone [m/s] */
 void ScenePassing(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal v[])
 {
   PetscReal w[ISPH_MAX_DIM];
@@ -351,8 +342,8 @@ static PetscReal ExpressionPeriod(const Scene *scene, const Expression *e, Petsc
   SceneDrivingPeriod - Returns the shortest period of the velocities of boundaries and of the body
   force in the window [t, t + window], if it is shorter than the window; otherwise infinity [s]
 
-  Not collective; the same on all ranks. Only expressions are evaluated. Input: least - largest
-  change of a velocity, or of a force times the window, that counts as none [m/s].
+  The same on all ranks. Only expressions are evaluated. Input: least - largest change of a
+  velocity, or of a force times the window, that counts as none [m/s].
 */
 PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least)
 {

@@ -324,7 +324,7 @@ static PetscErrorCode SceneReadNumbers(Scene *scene)
 }
 
 /* SceneNameConstants - Creates the scope of expressions with the constants nu (zero without
-   viscosity), rho, L and U, unless it exists; not collective */
+   viscosity), rho, L and U, unless it exists */
 PetscErrorCode SceneNameConstants(Scene *scene)
 {
   const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
@@ -358,24 +358,6 @@ static void FieldsAtStart(void *ctx, PetscReal t, const PetscReal x[], PetscReal
 
   Output Parameter:
 . scene - complete: geometry in m, fluid, forces and chosen physics
-
-  Options Database Keys:
-+ -case name              - row of the table in cases/cases.c
-. -dim 2|3                - space dimension
-. -n N                    - particles along the reference length
-. -length L, -speed U     - reference length [m] and speed [m/s]
-. -reynolds, -viscosity   - Reynolds number, or kinematic viscosity [m^2/s]; not both
-. -density RHO            - density [kg/m^3]
-. -surface_tension SIGMA  - surface tension [N/m]
-. -surface_pressure p     - pressure outside free surfaces [Pa]
-. -body_force fx,fy,fz    - force per unit mass, replaces the force of the case; with -case scene
-                            expressions of x, y, t [m/s^2]
-. -with, -without names   - physics added to the physics of the case, or removed from it
-. -motion name            - row of MotionTable; without convection none but frame
-. -jitter J               - largest random displacement of the start lattice [dx]
-. -seed S                 - seed of the jitter, of the first shift and of random fields
-. -solid_fraction c       - share of the box filled by the bodies of an array; for such cases only
-- -patch_margin M         - width that a patch test leaves out at each side [dx]
 
   Notes: a patch test reads no options of fluid and physics.
 */

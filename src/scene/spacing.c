@@ -51,14 +51,13 @@ static const OptionRow options[] = {
 };
 const OptionTable SpacingOptions = OPTIONS("Spacing", options);
 
-/* SceneIsGraded - Returns true if particles differ in size; not collective */
+/* SceneIsGraded - Returns true if particles differ in size */
 PetscBool SceneIsGraded(const Scene *scene)
 {
   return scene->grading.on || SceneIsMapped(scene);
 }
 
-/* SceneMovesGraded - Returns true if particles move and have a spacing that depends on place; not
-   collective */
+/* SceneMovesGraded - Returns true if particles move and have a spacing that depends on place */
 PetscBool SceneMovesGraded(const Scene *scene)
 {
   return SceneMoves(scene) && SceneIsGraded(scene);
@@ -92,12 +91,9 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
   return SpacingOfEdges(scene->dim, edge);
 }
 
-/*
-  SceneStretch - Computes the factors that stretch the cell at x to a cube with the edge
-  SceneSpacing(), docs/theory.md, (139) [-]
-
-  Not collective. All are 1 on a uniform lattice and with isotropic grading.
-*/
+/* SceneStretch - Computes the factors that stretch the cell at x to a cube with the edge
+   SceneSpacing(), docs/theory.md, (139) [-]. All are 1 on a uniform lattice and with isotropic
+   grading. */
 void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
 {
   PetscReal edge[ISPH_MAX_DIM], dx;
@@ -110,7 +106,7 @@ void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
 }
 
 /* SceneSizes - Computes SceneSpacing(), SceneStretch() and SceneVolumeAt() of a graded particle at
-   x [m], [-], [m^dim]; not collective */
+   x [m], [-], [m^dim] */
 void SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
                 PetscReal *volume)
 {
@@ -132,8 +128,7 @@ PetscReal BodySpacing(const Scene *scene, const Body *body)
   return scene->grading.on ? scene->grading.least : SceneSpacing(scene, body->centre);
 }
 
-/* SceneCoarsest - Returns the largest spacing or edge of a cell anywhere, which bounds supports [m]
-   */
+/* SceneCoarsest - Returns the largest spacing or edge of a cell, which bounds supports [m] */
 PetscReal SceneCoarsest(const Scene *scene)
 {
   PetscReal most = 0.0;
@@ -188,15 +183,14 @@ PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 
     m = V(x)/V_m,   V: SceneVolumeAt(), V_m: Scene.motion_volume
 
-  Not collective. It is 1 if the spacing is uniform. See docs/theory.md, (145).
+  It is 1 if the spacing is uniform. See docs/theory.md, (145).
 */
 PetscReal SceneMotionFactor(const Scene *scene, const PetscReal x[])
 {
   return SceneIsGraded(scene) ? SceneVolumeAt(scene, x) / scene->motion_volume : 1.0;
 }
 
-/* SceneGrowth - Returns the largest growth of the spacing from a particle to the next [-]; not
-   collective */
+/* SceneGrowth - Returns the largest growth of the spacing from a particle to the next [-] */
 PetscReal SceneGrowth(const Scene *scene)
 {
   return scene->grading.on ? scene->grading.growth_most : LatticeGrowth(scene);
@@ -300,20 +294,9 @@ static PetscErrorCode ReadGrading(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadSpacing - Reads the spacing and sets the map of the lattice along each axis, or the
-  isotropic grading
-
-  Collective. Boundaries and cells of the scene are known. Output: scene->spacing_wall, scene->map,
-  scene->grading.
-
-  Options Database Keys:
-+ -spacing EXPR     - spacing as a function of place [dx]
-. -spacing_wall R   - spacing at walls [dx]
-- -spacing_growth G - growth from a particle to the next with the distance from walls and bodies
-
-  Errors: scenes that need a uniform lattice, and spacings that grow too fast, end the run
-*/
+/* SceneReadSpacing - Reads the spacing and sets the map of the lattice along each axis, or the
+   isotropic grading; collective. Boundaries and cells of the scene are known. Output:
+   scene->spacing_wall, scene->map, scene->grading. */
 PetscErrorCode SceneReadSpacing(Scene *scene)
 {
   Grading  *g = &scene->grading;

@@ -270,7 +270,6 @@ static PetscErrorCode ReadFilled(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the properties of fluid k. */
 static PetscErrorCode ReadFluid(PetscInt k, Scene *scene)
 {
   PetscReal *nu  = &scene->region_nu[k - 1];
@@ -339,35 +338,10 @@ static PetscErrorCode CheckWidth(const Scene *scene)
 
   Collective.
 
-  Options Database Keys:
-+ -scene_box x0,y0,x1,y1           - corners [m]; by default 0,0,L,L; in 3D of 6 numbers
-. -scene_periodic x,y,z            - axes that are periodic
-. -scene_symmetry left,...         - sides in which the flow mirrors itself
-. -scene_inflow left,...           - sides through which fluid enters, see SceneReadOpenings()
-. -scene_outflow right,...         - sides through which fluid leaves
-. -scene_wall_<side>_velocity u,v  - velocity of a side of the box [m/s] (x, y, t)
-. -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
-. -scene_body_<k>_place dx,dy,w    - way from there [m], and turn about the centre [degrees]
-. -scene_body_<k>_velocity u,v     - velocity of the body, or of its surface [m/s] (t)
-. -scene_body_<k>_position x,y     - position of its centre, in place of the velocity [m] (t)
-. -scene_body_<k>_rotation w       - angular velocity about its centre [rad/s] (t)
-. -scene_domain shape,...          - the fluid is inside this shape, with _place, _velocity,
-                                     _position, _rotation as of a body
-. -scene_part_<k> shape,...        - part of the surface of the domain, with a _velocity
-. -scene_filled_<k> shape,...      - region that the fluid fills at the start [m]
-. -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]
-. -scene_fluid_<k>_viscosity nu    - kinematic viscosity of this fluid [m^2/s]
-. -viscosity_field nu              - kinematic viscosity outside these regions [m^2/s] (x, y)
-. -scene_velocity u,v              - velocity at the start [m/s] (x, y)
-- -scene_exact u,v[,p]             - reference solution [m/s], [Pa] (x, y, t)
-
   Notes: brackets give the variables that an expression may contain, see ExpressionSet(); in 3D
   velocities have a third component, and expressions of x and y may contain z. The option
   of each kind of boundary stands in its row of BoundaryTable. A periodic box without bodies has no
   walls, so the physics `walls` is off.
-
-  Errors: wrong shapes, bodies outside the fluid, expressions with wrong
-  syntax, and velocities through a surface end the run
 */
 PetscErrorCode SceneReadTyped(Scene *scene)
 {

@@ -294,7 +294,6 @@ static PetscErrorCode CreatePoses(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds body k, with all that is given of it. */
 static PetscErrorCode AddBody(PetscInt k, const Body *body, Scene *scene)
 {
   Boundary *boundary = SceneAddBody(scene);

@@ -160,13 +160,9 @@ PetscErrorCode SceneCheckBodies(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneNarrowestGap - Returns the least distance of a body from another boundary that it does not
-  touch, in spacings there; infinite if there is none
-
-  Not collective. Looks at points dx apart. Output: between - both boundaries; x - a point of the
-  first one.
-*/
+/* SceneNarrowestGap - Returns the least distance of a body from another boundary that it does not
+   touch, in spacings there; infinite if there is none. Looks at points dx apart. Output: between -
+   both boundaries; x - a point of the first one. */
 PetscReal SceneNarrowestGap(const Scene *scene, PetscInt between[2], PetscReal x[])
 {
   PetscReal best = PETSC_INFINITY;
@@ -333,7 +329,7 @@ PetscErrorCode SceneCheckFluids(const Scene *scene)
 }
 
 /* SceneCheckMixture - Refuses scenes in which fluids of several densities, or interfaces with a
-   tension, have no equations; not collective */
+   tension, have no equations */
 PetscErrorCode SceneCheckMixture(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -432,17 +428,8 @@ static PetscErrorCode CheckFrameSides(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadFrame - Reads the frame of reference of -motion frame; nothing for other motions
-
-  Collective. To be called when sides and bodies are known.
-
-  Options Database Keys:
-+ -frame_rotation w - rate of rotation about z [rad/s] (t)
-- -frame_centre x,y - a point of the axis [m]
-
-  Errors: bodies and sides whose places in the frame would change end the run
-*/
+/* SceneReadFrame - Reads the frame of reference of -motion frame; nothing for other motions;
+   collective. To be called when sides and bodies are known. */
 PetscErrorCode SceneReadFrame(Scene *scene)
 {
   const Boundary *rotor = NULL;

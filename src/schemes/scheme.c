@@ -72,9 +72,6 @@ static PetscErrorCode RefuseSurface(const Flow *flow)
 
   Input/Output Parameter:
 . flow - in: scene and clock; out: state, scheme, and the needs for the creation of operators
-
-  Options Database Key:
-. -scheme name - row of the table; each scheme lists its own options
 */
 PetscErrorCode SchemeCreate(Flow *flow)
 {

@@ -243,15 +243,8 @@ PetscErrorCode SolverSetUpGamg(KSP ksp)
 
   Collective on PETSC_COMM_WORLD.
 
-  Options Database Keys:
-+ -<prefix>mat_type - aij or a type derived from it, which every preconditioner takes: aijperm,
-                      aijsell, and aijcusparse, aijkokkos, ... where PETSc has them
-- -mat_type         - the same for all solvers
-
   Output Parameter:
 . type - for MatConvert(); MATSAME unless the user gives a type
-
-  Errors: refuses types that are not derived from aij, and types that PETSc was built without
 */
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
 {

@@ -36,8 +36,7 @@ PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SolverNames - Returns the types of a KSP and its preconditioner, the name of a shell; not
-   collective */
+/* SolverNames - Returns the types of a KSP and its preconditioner, the name of a shell */
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
 {
   PetscBool is_shell;

@@ -88,12 +88,6 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
 
   Output Parameter:
 . guard - solve.ksp is set, and solve.note if a choice of the user is allowed but unwise
-
-  Options Database Key:
-. -fallback N - largest number of successive solves by fallbacks
-
-  Errors: refuses a Cholesky factorisation of an unsymmetric matrix, absolute tolerances, and no
-  iterations with a preconditioner of another matrix
 */
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 {

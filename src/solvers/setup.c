@@ -18,14 +18,14 @@ PetscBool SetUpHolds(const SetUp *s, PetscInt numbering, PetscReal shift)
   return s->last <= s->first + s->first / 2 + FEW;
 }
 
-/* SetUpRenew - Notes that the preconditioner is set up anew; not collective */
+/* SetUpRenew - Notes that the preconditioner is set up anew */
 void SetUpRenew(PetscInt numbering, PetscReal shift, LinearSolve *solve)
 {
   solve->setup = (SetUp){.exists = PETSC_TRUE, .numbering = numbering, .shift = shift};
   solve->setups++;
 }
 
-/* SetUpCount - Notes the iterations of a solve; not collective */
+/* SetUpCount - Notes the iterations of a solve */
 void SetUpCount(PetscInt iterations, SetUp *s)
 {
   s->last = iterations;

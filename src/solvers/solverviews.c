@@ -89,7 +89,7 @@ PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* KspViewsHaveMatrix - Returns true if the entries of a matrix are to be viewed; not collective */
+/* KspViewsHaveMatrix - Returns true if the entries of a matrix are to be viewed */
 PetscBool KspViewsHaveMatrix(const KspViews *views)
 {
   return views->of[VIEW_MAT].viewer || views->of[VIEW_PMAT].viewer;

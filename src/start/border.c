@@ -245,7 +245,7 @@ static PetscErrorCode RefuseUneven(const Pools *pools)
 }
 
 /* BorderCreate - Samples the outlines of the regions of all pools without lattice; every rank has
-   all samples; not collective. Errors: refuses borders in 3D whose free part has no outline. */
+   all samples. Errors: refuses borders in 3D whose free part has no outline. */
 PetscErrorCode BorderCreate(Pools *pools)
 {
   PetscFunctionBegin;
@@ -256,8 +256,8 @@ PetscErrorCode BorderCreate(Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* BorderIsNear - Returns true if a free border, or a sample of it, is nearer to x than `reach` [m];
-   not collective */
+/* BorderIsNear - Returns true if a free border, or a sample of it, is nearer to x than `reach`
+   [m] */
 PetscBool BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach)
 {
   for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
@@ -352,7 +352,6 @@ static PetscErrorCode AddPoint(const Scene *scene, const PetscReal x[], Rows *ro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the particles of a piece. */
 static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *rows)
 {
   const Scene        *scene = pools->scene;

@@ -21,16 +21,14 @@ typedef struct {
   PetscReal *key;
 } Leaves;
 
-/*
-  RegionSetBox - Sets a region to the box of the fluid; not collective
-*/
+/* RegionSetBox - Sets a region to the box of the fluid */
 void RegionSetBox(const Scene *scene, Region *region)
 {
   *region = (Region){.n = scene->dim};
   for (PetscInt a = 0; a < scene->dim; a++) region->axis[a] = a;
 }
 
-/* RegionSetSide - Sets a region to a side of the box; not collective */
+/* RegionSetSide - Sets a region to a side of the box */
 void RegionSetSide(const Scene *scene, PetscInt side, Region *region)
 {
   *region = (Region){0};
@@ -277,7 +275,7 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PlacesDestroy - Frees the places; not collective */
+/* PlacesDestroy - Frees the places */
 PetscErrorCode PlacesDestroy(Places *places)
 {
   PetscFunctionBegin;

@@ -109,7 +109,7 @@ static PetscBool IsFirst(const Scene *scene, PetscInt first, const PetscReal x[]
 }
 
 /* ParticlesExpect - Estimates the number of fluid particles at the start by the midpoint rule in
-   the box around each filled region, or in that of the scene; not collective */
+   the box around each filled region, or in that of the scene */
 PetscReal ParticlesExpect(const Scene *scene)
 {
   const PetscInt points = scene->dim == 2 ? 64 : 24;

@@ -327,8 +327,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* LatticeWallCount - Computes the number of wall particles at the sides of the box; not
-   collective */
+/* LatticeWallCount - Computes the number of wall particles at the sides of the box */
 PetscErrorCode LatticeWallCount(const Scene *scene, WallPlacement walls, PetscInt *count)
 {
   WallSlabs slabs;
@@ -340,7 +339,7 @@ PetscErrorCode LatticeWallCount(const Scene *scene, WallPlacement walls, PetscIn
 }
 
 /* LatticeWalls - Creates wall particles [first, last) of the sides of the box at local indices from
-   `at` on; not collective. Their ids follow those of p->N_fluid fluid particles. */
+   `at` on. Their ids follow those of p->N_fluid fluid particles. */
 PetscErrorCode LatticeWalls(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                             Particles *p, PetscInt at)
 {

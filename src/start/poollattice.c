@@ -115,7 +115,7 @@ static PetscInt CountBetween(const Pools *pools, PetscInt axis, const PetscReal 
 }
 
 /* PoolHasLattice - Finds out if lines along the axes bound a pool, and if cells of about dx fit
-   between them; not collective */
+   between them */
 PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has)
 {
   const Scene *scene = pools->scene;

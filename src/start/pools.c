@@ -249,7 +249,7 @@ PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PoolsDestroy - Frees the pools; not collective */
+/* PoolsDestroy - Frees the pools */
 PetscErrorCode PoolsDestroy(Pools *pools)
 {
   PetscFunctionBegin;
@@ -258,7 +258,7 @@ PetscErrorCode PoolsDestroy(Pools *pools)
 }
 
 /* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice, and not in
-   the half spacing below its free border, which belongs to the particles on it; not collective */
+   the half spacing below its free border, which belongs to the particles on it */
 PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
 {
   const PetscReal reach = 0.5 * pools->scene->dx;

@@ -40,7 +40,7 @@ PetscErrorCode PoolsDestroy(Pools *pools);
 PetscBool      PoolsHold(const Pools *pools, const PetscReal x[]);
 
 /* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
-   there [m]; not collective */
+   there [m] */
 static inline PetscInt PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth)
 {
   PetscInt pool = 0;

@@ -182,7 +182,7 @@ PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SurfacesDestroy - Frees the share; not collective */
+/* SurfacesDestroy - Frees the share */
 PetscErrorCode SurfacesDestroy(Surfaces *s)
 {
   PetscFunctionBegin;

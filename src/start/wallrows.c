@@ -27,7 +27,7 @@ static PetscReal RowHeight(const Scene *scene, const PetscReal foot[], const Pet
   return height;
 }
 
-/* RowsHold - Returns true if x is in the bands of the rows of any wall; not collective */
+/* RowsHold - Returns true if x is in the bands of the rows of any wall */
 PetscBool RowsHold(const Scene *scene, const PetscReal x[])
 {
   WallPlane planes[WALL_PLANES];
@@ -62,7 +62,7 @@ static PetscBool IsNearest(const Scene *scene, const PetscReal x[], PetscInt sid
   return PETSC_TRUE;
 }
 
-/* RowsAdd - Adds a particle at x; the caller sets its index and rows->N; not collective */
+/* RowsAdd - Adds a particle at x; the caller sets its index and rows->N */
 PetscErrorCode RowsAdd(const Scene *scene, const PetscReal x[], Rows *rows)
 {
   PetscFunctionBegin;
@@ -118,7 +118,7 @@ PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RowsDestroy - Frees the share; not collective */
+/* RowsDestroy - Frees the share */
 PetscErrorCode RowsDestroy(Rows *rows)
 {
   PetscFunctionBegin;

@@ -13,7 +13,7 @@ PetscReal ClockMoment(const Clock *clock)
   return clock->steady_solve ? PETSC_INFINITY : clock->t;
 }
 
-/* ClockDestroy - Frees the clock; not collective */
+/* ClockDestroy - Frees the clock */
 PetscErrorCode ClockDestroy(Clock **clock)
 {
   PetscFunctionBegin;
@@ -21,7 +21,7 @@ PetscErrorCode ClockDestroy(Clock **clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StepLimitLower - Lowers a limit to dt if dt is shorter, and sets the reason; not collective */
+/* StepLimitLower - Lowers a limit to dt if dt is shorter, and sets the reason */
 void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
 {
   if (!(dt < limit->dt)) return;
@@ -29,7 +29,7 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
   limit->reason = reason;
 }
 
-/* FailureSet - Sets the reason for a failed step, unless a reason is set; not collective */
+/* FailureSet - Sets the reason for a failed step, unless a reason is set */
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
 {
   va_list arguments;
@@ -54,7 +54,7 @@ static PetscReal ClockTarget(const Clock *c)
 }
 
 /* ClockShortening - Returns the length of the present step over the usual one, below 1 at the start
-   with -time_order 3; not collective */
+   with -time_order 3 */
 PetscReal ClockShortening(const Clock *clock)
 {
   const PetscInt left = CLOCK_SHORT - clock->step;
@@ -69,10 +69,10 @@ PetscReal ClockShortening(const Clock *clock)
 
     dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, control.dt, land_every/2^halvings)
 
-  Not collective. land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal
-  steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a single
-  step dt_wanted is dt. With -time_order 3 the first CLOCK_SHORT steps are short and grow, because
-  the error of the very first one is of order dt^2; -dt_adapt error has a start of its own.
+  land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal steps end exactly
+  at the next report time, at the next snapshot, or at t_end. In a run of a single step dt_wanted is
+  dt. With -time_order 3 the first CLOCK_SHORT steps are short and grow, because the error of the
+  very first one is of order dt^2; -dt_adapt error has a start of its own.
 
   Input Parameter:
 . limit - the longest step that the scheme allows
@@ -96,7 +96,7 @@ PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 }
 
 /* ClockRemember - Adds the clock's numbers to the memory of the run, which undo and checkpoints
-   save; not collective */
+   save */
 PetscErrorCode ClockRemember(Clock *c, Memory *memory)
 {
   PetscFunctionBegin;
@@ -122,9 +122,9 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
 /*
   ClockRestart - Prepares the clock after its numbers were read from a checkpoint
 
-  Not collective. Finds the first report at or after the present time, because -report_times may
-  differ from the earlier run. A checkpoint is written before the report of its time, so that this
-  run makes it. The bound of an error control that this run has not ends.
+  Finds the first report at or after the present time, because -report_times may differ from the
+  earlier run. A checkpoint is written before the report of its time, so that this run makes it. The
+  bound of an error control that this run has not ends.
 */
 PetscErrorCode ClockRestart(Clock *c)
 {
@@ -139,11 +139,8 @@ PetscErrorCode ClockRestart(Clock *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockAdvance - Advances the time after a good step
-
-  Not collective. If failures have halved dt, it doubles again after good_needed good steps.
-*/
+/* ClockAdvance - Advances the time after a good step. If failures have halved dt, it doubles again
+   after good_needed good steps. */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
   PetscFunctionBegin;
@@ -203,7 +200,7 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 }
 
 /*
-  ClockRatio - Returns w = dt/dt_previous for extrapolation in time; not collective
+  ClockRatio - Returns w = dt/dt_previous for extrapolation in time
 
   Returns 0, which means first order, in three cases: with -time_order 1, in the first step, and if
   w exceeds 1 + sqrt(2). For such w BDF2 is unstable, and the change in a very short step to a
@@ -217,12 +214,9 @@ PetscReal ClockRatio(const Clock *clock)
   return w <= 1.0 + PETSC_SQRT2 ? w : 0.0;
 }
 
-/*
-  ClockOrder - Returns the order of the formulas in time of the present step; not collective
-
-  It is below -time_order until enough earlier velocities are known, and after a much shorter step:
-  BDF3 is zero-stable up to a ratio of steps of 1.534.
-*/
+/* ClockOrder - Returns the order of the formulas in time of the present step. It is below
+   -time_order until enough earlier velocities are known, and after a much shorter step: BDF3 is
+   zero-stable up to a ratio of steps of 1.534. */
 PetscInt ClockOrder(const Clock *clock)
 {
   if (ClockRatio(clock) == 0.0) return 1;
@@ -238,7 +232,7 @@ PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
   return PetscFloorReal(now / every + 1e-9) > PetscFloorReal(last / every + 1e-9);
 }
 
-/* ClockNext - Returns the multiple of `every` [s] that follows the time t [s]; not collective */
+/* ClockNext - Returns the multiple of `every` [s] that follows the time t [s] */
 PetscReal ClockNext(PetscReal every, PetscReal t)
 {
   return every * (PetscFloorReal(t / every + 1e-9) + 1.0);

@@ -214,24 +214,8 @@ static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockCreate - Creates the clock and reads the options of the time step and of the end of the run
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-+ -t_end T            - end of the run [s]
-. -dt DT              - time step, in place of -cfl [s]
-. -cfl C              - dt = C dx/max(U, largest speed); default 0.5
-. -dt_adapt name      - control of the step length
-. -dt_max DT          - upper bound of dt [s]
-. -dt_rtol TOL        - largest error of a step with -dt_adapt error
-. -max_steps N        - stop after N steps
-. -time_order 1|2|3   - order of the time integration
-. -steady             - no du/dt: a single step to t_end with -scheme coupled
-. -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
-- -report_times t,... - report quantities at these times too
-*/
+/* ClockCreate - Creates the clock and reads the options of the time step and of the end of the run;
+   collective on PETSC_COMM_WORLD */
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
 {
   Clock *c;
@@ -264,14 +248,9 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockDropEstimate - Replaces a default of -dt_adapt error by cfl, for integrators whose error has
-  no estimate
-
-  Collective. Input: option, integrator - name and value of the option of the integrator.
-
-  Errors: refuses -dt_adapt error if the user gave it
-*/
+/* ClockDropEstimate - Replaces a default of -dt_adapt error by cfl, for integrators whose error has
+   no estimate; collective. Input: option, integrator - name and value of the option of the
+   integrator. */
 PetscErrorCode ClockDropEstimate(Clock *clock, const char option[], const char integrator[])
 {
   PetscBool given;

@@ -31,11 +31,8 @@ static PetscReal Blend(PetscReal jump, PetscReal length, PetscReal weight[HISTOR
   return jump + (1.0 - jump) * length;
 }
 
-/*
-  HistoryAhead - Computes the weights of earlier values in their extrapolation to t^n + at dt
-
-  Not collective. Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See docs/theory.md, (319).
-*/
+/* HistoryAhead - Computes the weights of earlier values in their extrapolation to t^n + at dt.
+   Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See docs/theory.md, (319). */
 void HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY])
 {
   const PetscReal s = at * clock->dt;
@@ -43,11 +40,8 @@ void HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY])
   PastWeights(clock, ClockOrder(clock), s, s * (s + clock->dt_previous), weight);
 }
 
-/*
-  HistoryPredict - Computes the weights of the last n velocities in their extrapolation to t^{n+1}
-
-  Not collective. Input: n - 2 or 3, all known. Output: weight - of u^n, u^{n-1} and u^{n-2} [-].
-*/
+/* HistoryPredict - Computes the weights of the last n velocities in their extrapolation to t^{n+1}.
+   Input: n - 2 or 3, all known. Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. */
 void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
 {
   PastWeights(clock, n, clock->dt, clock->dt * (clock->dt + clock->dt_previous), weight);
@@ -56,9 +50,9 @@ void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
 /*
   HistoryPath - Computes the weights of earlier velocities in the displacement of a step over dt
 
-  Not collective. The formula of Adams and Bashforth: the mean of HistoryAhead() over the step,
-  blended with u^n after a jump (velocityjump.c).
-  Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See docs/theory.md, (105) and (319).
+  The formula of Adams and Bashforth: the mean of HistoryAhead() over the step, blended with u^n
+  after a jump (velocityjump.c). Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See
+  docs/theory.md, (105) and (319).
 */
 void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 {
@@ -94,8 +88,8 @@ static PetscReal StartWeights(const Clock *clock, PetscReal weight[HISTORY])
     BDF2, w = ClockRatio():  start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w),  k = dt (1+w)/(1+2w)
     BDF3, equal steps:       start = (18 u^n - 9 u^{n-1} + 2 u^{n-2})/11,  k = 6 dt/11
 
-  Not collective. A backward Euler step of length k from this start is a step of BDF:
-  docs/theory.md, (99) and (318). In a jump both are blended with order 1: (362).
+  A backward Euler step of length k from this start is a step of BDF: docs/theory.md, (99) and
+  (318). In a jump both are blended with order 1: (362).
 */
 PetscReal HistoryStartWeights(const Clock *clock, PetscReal weight[HISTORY])
 {

@@ -15,12 +15,9 @@ static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem it
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MemoryAddReal - Adds a real number to the memory
-
-  Not collective; all ranks add the same numbers in the same order. Input: name - unique, at most 31
-  letters; value - address of the number, valid as long as the memory.
-*/
+/* MemoryAddReal - Adds a real number to the memory. All ranks add the same numbers in the same
+   order. Input: name - unique, at most 31 letters; value - address of the number, valid as long as
+   the memory. */
 PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value)
 {
   PetscFunctionBegin;
@@ -54,7 +51,7 @@ PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryGet - Copies all memory->size numbers to an array; not collective */
+/* MemoryGet - Copies all memory->size numbers to an array */
 void MemoryGet(const Memory *memory, PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
@@ -66,7 +63,7 @@ void MemoryGet(const Memory *memory, PetscReal values[])
 }
 
 /* MemoryFits - Determines if numbers of a file can be set: whole numbers must be whole and within
-   their range, others above minus infinity; not collective. Infinity stands for an unknown. */
+   their range, others above minus infinity. Infinity stands for an unknown. */
 PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; values += memory->item[k++].count) {
@@ -79,8 +76,7 @@ PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
   return PETSC_TRUE;
 }
 
-/* MemorySet - Sets all numbers from a copy, but counters only if the flag `counters` is set; not
-   collective */
+/* MemorySet - Sets all numbers from a copy, but counters only if the flag `counters` is set */
 void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; values += memory->item[k++].count) {

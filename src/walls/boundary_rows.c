@@ -30,13 +30,9 @@ static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, P
   row[diagonal] = -sum;
 }
 
-/*
-  AddRow_Velocity - Adds the row sum_k w_k (f_k - f_i) to an operator on a velocity component f
-
-  Not collective. WallWeights() converts the weights of dummies to weights of wall velocities. A
-  wall particle on the surface contributes its own value, or its given n.grad f if that is its
-  equation.
-*/
+/* AddRow_Velocity - Adds the row sum_k w_k (f_k - f_i) to an operator on a velocity component f.
+   WallWeights() converts the weights of dummies to weights of wall velocities. A wall particle on
+   the surface contributes its own value, or its given n.grad f if that is its equation. */
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)
 {
@@ -183,8 +179,6 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
   AddRows_Pressure - Adds a particle's rows of -dx^2 lap p and grad p, with a given wall pressure
   gradient
 
-  Not collective.
-
   Notes: the Laplacian omits the tangential part of p_w - p_i for dummies in two cases. If its form
   is declared symmetric, this keeps the matrix symmetric for CG. If the gradient form is not exact
   for linear fields, it cannot give the tangential part.
@@ -210,13 +204,9 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AddRows_GradientWithoutWalls - Adds a particle's rows of grad p, from fluid neighbours and from
-  boundaries that give the pressure
-
-  Not collective. The coupled scheme needs these rows: there the wall pressure gradient is not
-  prescribed but follows from the momentum equation.
-*/
+/* AddRows_GradientWithoutWalls - Adds a particle's rows of grad p, from fluid neighbours and from
+   boundaries that give the pressure. The coupled scheme needs these rows: there the wall pressure
+   gradient is not prescribed but follows from the momentum equation. */
 PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *st, PetscInt diagonal,
                                             Operators *ops)
 {
@@ -237,13 +227,9 @@ static PetscBool GivesValue(const Stencil *st)
   return PETSC_FALSE;
 }
 
-/*
-  AddRow_PressureFilter - Adds a particle's row of the pressure filter: p minus its quadratic fit,
-  from fluid neighbours and from boundaries that give the pressure
-
-  Not collective. The wall pressure gradient does not enter. Without such neighbours the row gives
-  the pressure itself.
-*/
+/* AddRow_PressureFilter - Adds a particle's row of the pressure filter: p minus its quadratic fit,
+   from fluid neighbours and from boundaries that give the pressure. The wall pressure gradient does
+   not enter. Without such neighbours the row gives the pressure itself. */
 PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt diagonal,
                                      Operators *ops)
 {
@@ -343,10 +329,10 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 /*
   AddRows_Divergence - Adds a particle's rows of the divergence
 
-  Not collective. If wall neighbours have equations in fits and the gradient form has a
-  DivergenceFit, the rows come from this fit of the velocity vector, otherwise from the weights of
-  the gradient. Below a free surface fits have their own degree. Boundaries have the equations of
-  FIT_DIVERGENCE in fluids with a free surface only: docs/theory.md, section 5.
+  If wall neighbours have equations in fits and the gradient form has a DivergenceFit, the rows come
+  from this fit of the velocity vector, otherwise from the weights of the gradient. Below a free
+  surface fits have their own degree. Boundaries have the equations of FIT_DIVERGENCE in fluids with
+  a free surface only: docs/theory.md, section 5.
 */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
@@ -389,9 +375,8 @@ static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagon
 
     p_i - 2 mu_i (n.E n)_i = 0
 
-  Not collective. The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for
-  which the scheme has the factor. It vanishes on rough surfaces. No pressure gradient acts on
-  isolated particles.
+  The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for which the scheme
+  has the factor. It vanishes on rough surfaces. No pressure gradient acts on isolated particles.
 */
 void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
 {

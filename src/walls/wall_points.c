@@ -57,7 +57,7 @@ static void SideShares(Stencil *st, PetscInt side)
 }
 
 /* WallPointShares - Computes st->share for all wall neighbours of particle i: their weights in the
-   wall velocity at the wall point of i; not collective */
+   wall velocity at the wall point of i */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
   if (!HasWallPoints(st, ops)) return;
@@ -76,8 +76,6 @@ void WallPointShares(const Operators *ops, Stencil *st)
   beta_v is the factor of the extrapolation, and share_w the weight of u_wall,w in the fit for
   u_wall,i. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
   particles on the surface, b = w.
-
-  Not collective.
 
   Input Parameters:
 + width - number of weights of each neighbour

@@ -39,8 +39,8 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
 
     u_w = u_wall(t) + projection_factor p_step n
 
-  Not collective. u_wall is evaluated at the wall point of the particle; the particle stores it too.
-  The second term is for the predicted velocity: the projection will change its normal component by
+  u_wall is evaluated at the wall point of the particle; the particle stores it too. The second term
+  is for the predicted velocity: the projection will change its normal component by
   -projection_factor n.grad phi, and n.grad phi of the pressure increment phi is p_step. See
   docs/theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a
   component whose equation is n.grad u_c is zero.
@@ -100,8 +100,6 @@ static PetscReal FullPressure(const Scene *scene, const Particles *p, PetscInt w
 /*
   WallValuesSetPressure - Sets the pressure data of the own wall particles at time t
 
-  Not collective.
-
   Input Parameter:
 . share - of the full data, less the level of the scene for values; the pressure of a flow that
           starts from the level has no gradient yet [-]
@@ -129,8 +127,7 @@ PetscErrorCode WallValuesSetPressure(const Scene *scene, const Particles *p, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallValuesStepPressure - Sets p_step to the change from p to the full data at time t; not
-   collective */
+/* WallValuesStepPressure - Sets p_step to the change from p to the full data at time t */
 PetscErrorCode WallValuesStepPressure(const Scene *scene, const Particles *p, PetscReal t,
                                       WallValues *walls)
 {

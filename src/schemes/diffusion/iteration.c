@@ -61,9 +61,6 @@ static PetscErrorCode Shorten(SNESLineSearch search, Vec u, Vec du, Vec next, Pe
   Collective. Steps are full: their stresses keep the iteration from going round in circles, see
   TangentFollow(). A line search by the residual would shorten them, because the residual of a rigid
   part hides that of the others.
-
-  Errors: refuses an absolute tolerance, a SNES type that does not iterate, and -mat_type for a
-  Jacobian without entries
 */
 PetscErrorCode IterationChoose(Viscosity *v, SNES snes)
 {

@@ -138,12 +138,6 @@ static PetscErrorCode ChooseShell(Viscosity *v)
 
   Input: with_surface - the pressure of free surfaces is part of the viscous term, if it depends on
   the velocity; for schemes whose other forces leave this pressure out.
-
-  Options Database Keys:
-. -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - PETSc's options of TS, SNES, KSP and PC
-
-  Errors: refuses TS types without a row in ViscousIntegratorTable, and options by which the TS
-  would control time
 */
 PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc)
 {

@@ -99,14 +99,8 @@ static PetscErrorCode ChoosePassing(Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme
-
-  Collective on PETSC_COMM_WORLD. Defaults: see PressureChoose() and ChooseGuess().
-
-  Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options, see PoissonSolver()
-*/
+/* PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme;
+   collective on PETSC_COMM_WORLD. Defaults: see PressureChoose() and ChooseGuess(). */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
 {
   const Splines *sp      = ((const Projection *)flow->scheme->data)->splines;

@@ -172,19 +172,7 @@ static PetscErrorCode ReadConvection(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProjectionCreate - Reads the options of the projection
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-+ -projection name      - row of the table of projections
-. -convection name      - explicit or implicit
-. -ppe_alpha A          - share of the density error in the pressure source (Zheng et al. 2018,
-                          Eq. 13)
-- -ppe_filter S         - strength of the pressure filter, by default 1, or 0.1 if particles stay
-                          on the initial lattice or relaxed cloud; see ShareOfResidual()
-*/
+/* ProjectionCreate - Reads the options of the projection; collective on PETSC_COMM_WORLD */
 PetscErrorCode ProjectionCreate(Flow *flow)
 {
   const Scene             *scene = flow->scene;

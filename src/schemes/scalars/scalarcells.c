@@ -21,7 +21,7 @@ PetscErrorCode ScalarValues(const Flow *flow, const PetscReal c[], PetscReal sha
 }
 
 /* ScalarSetWalls - Sets the values of own points of walls at time t; zero where the boundary gives
-   none; not collective */
+   none */
 PetscErrorCode ScalarSetWalls(const Flow *flow, PetscReal t, Scalar *s)
 {
   const Particles *p = flow->particles;
@@ -110,7 +110,6 @@ PetscErrorCode ScalarFindVolumes(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true for particles of an opening. */
 static PetscBool IsOpen(const Flow *flow, PetscInt j)
 {
   const Particles *p = flow->particles;
@@ -237,7 +236,7 @@ PetscErrorCode ScalarRates(const Flow *flow, const PetscReal c[], PetscReal shar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ScalarDiagonal - Adds the diagonal of the rates without convection; not collective */
+/* ScalarDiagonal - Adds the diagonal of the rates without convection */
 void ScalarDiagonal(const Flow *flow, const Scalar *s, PetscReal to[])
 {
   const PetscInt     n = flow->particles->n_fluid, d = flow->particles->dim;

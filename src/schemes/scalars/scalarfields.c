@@ -38,8 +38,8 @@ static PetscReal FitAt(const Particles *p, const PetscReal all[], PetscInt strid
   return b[0];
 }
 
-/* ScalarsAt - Sets the present scalars at a place: those of a particle there, or fits; not
-   collective. Input: ctx - the flow; t - not used */
+/* ScalarsAt - Sets the present scalars at a place: those of a particle there, or fits. Input: ctx -
+   the flow; t - not used */
 void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[])
 {
   const Flow      *flow = (const Flow *)ctx;
@@ -56,8 +56,7 @@ void ScalarsAt(void *ctx, PetscReal t, const PetscReal x[], PetscReal value[])
 }
 
 /* ScalarSlip - Sets the velocities of own walls that do not give them, as planes of symmetry, to
-   fits of the fluid; not collective. Input: u - velocities of all particles, components
-   together. */
+   fits of the fluid. Input: u - velocities of all particles, components together. */
 PetscErrorCode ScalarSlip(const Flow *flow, PetscReal u[])
 {
   const Particles *p = flow->particles;

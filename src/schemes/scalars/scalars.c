@@ -2,7 +2,7 @@
 #include "scalars.h"
 
 /* ScalarBoundaryName - Writes the name of a boundary, "surface" for the free one, which is the
-   last; not collective */
+   last */
 void ScalarBoundaryName(const Scene *scene, PetscInt side, char name[])
 {
   if (side < SceneBoundaries(scene)) SceneWallName(scene, side, name);

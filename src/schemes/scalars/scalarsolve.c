@@ -167,14 +167,7 @@ static PetscErrorCode Scalar_RHSFunction(TS ts, PetscReal t, Vec c, Vec f, void 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarCreateSolver - Creates the TS of a scalar and adds its solve to the scheme
-
-  Collective.
-
-  Options Database Keys:
-. -scalar_<k>_ts_type, -scalar_<k>_ksp_type, ... - PETSc's options of TS, SNES, KSP and PC
-*/
+/* ScalarCreateSolver - Creates the TS of a scalar and adds its solve to the scheme; collective */
 PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
 {
   LinearSolve *solve = &s->guard.solve;

@@ -7,7 +7,6 @@
 
 #include "schemes/surface/surface.h"
 
-/* Updates the neighbours. */
 static PetscErrorCode UpdateNeighbors(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
@@ -214,7 +213,6 @@ const Stage StageError = {
 
 static const Observer *const observers[] = {&ObserverFlight, &ObserverAcceleration};
 
-/* Lists the observers that apply to a flow. */
 static PetscErrorCode ListObservers(Flow *flow)
 {
   Scheme *s = flow->scheme;

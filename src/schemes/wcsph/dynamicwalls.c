@@ -55,8 +55,8 @@ static PetscErrorCode LookAround(const Wcsph *w, PetscInt i, PetscReal height, P
 
     rho_w = rho_0 + S_w(t) - S_w(0),   S_w = sum_j m_j W_wj over the fluid
 
-  Not collective. This is the integral of drho/dt = sum_j m_j (u_w - u_j).grad W_wj, because the
-  particles of the wall stay at rest to each other. Output: rho - by local index.
+  This is the integral of drho/dt = sum_j m_j (u_w - u_j).grad W_wj, because the particles of the
+  wall stay at rest to each other. Output: rho - by local index.
 
   References: A. Crespo, M. Gomez-Gesteira, R. Dalrymple, CMC 5 (2007) 173-184; M. Basa, N. Quinlan,
   M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.2 and Eqs (10), (11)
@@ -111,8 +111,8 @@ PetscErrorCode WallVelocities(Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallStart - Sets the sums S_w(0) of own wall particles at the start of a run, into
-   room of WcsphReserve(); not collective */
+/* WallStart - Sets the sums S_w(0) of own wall particles at the start of a run, into room of
+   WcsphReserve() */
 PetscErrorCode WallStart(Wcsph *w)
 {
   const Particles *p = w->flow->particles;

@@ -100,7 +100,7 @@ static const PressureReductionRow reductions[] = {
 const Table PressureReductionTable = TABLE("Reductions of the pressure", reductions);
 
 /* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the
-   vector, and counts them; not collective. Input: x, u, rho, e - the arrays. */
+   vector, and counts them. Input: x, u, rho, e - the arrays. */
 void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
                        PetscReal *e, PetscReal *of[])
 {
@@ -116,7 +116,7 @@ void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], Pet
 }
 
 /* WcsphComponents - Lists the fields of the particles that are unknowns, in the order of the
-   vector; not collective */
+   vector */
 void WcsphComponents(Wcsph *w, PetscReal *of[])
 {
   Particles *p = w->flow->particles;

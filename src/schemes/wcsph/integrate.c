@@ -120,14 +120,7 @@ static PetscErrorCode RegisterMidpoint(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WcsphCreateIntegrator - Creates the TS
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-. -wcsph_ts_rk_type, ... - PETSc's options of the TS
-*/
+/* WcsphCreateIntegrator - Creates the TS; collective on PETSC_COMM_WORLD */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w)
 {
   PetscBool given;

@@ -6,7 +6,7 @@
 
 #define MIRROR 2.0 /* factor of u_wall - u_i in the velocity of a mirror image */
 
-/* PairsReserve - Makes room for the neighbours of a stencil; not collective */
+/* PairsReserve - Makes room for the neighbours of a stencil */
 PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
 {
   PetscFunctionBegin;
@@ -20,7 +20,7 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
 }
 
 /* PairsFinish - Ends the arrays of the pairs in neighbours without volume, of the density rho and
-   the velocity of the particle; not collective */
+   the velocity of the particle */
 void PairsFinish(PetscReal rho, const Stencil *st, Pairs *pairs)
 {
   for (PetscInt k = st->n; k < LanesPadded(st->n); k++) {
@@ -30,7 +30,7 @@ void PairsFinish(PetscReal rho, const Stencil *st, Pairs *pairs)
   }
 }
 
-/* PairsFree - Frees the arrays; not collective */
+/* PairsFree - Frees the arrays */
 PetscErrorCode PairsFree(Pairs *pairs)
 {
   PetscFunctionBegin;
@@ -97,8 +97,6 @@ static PetscReal BeyondMirror(const Stencil *st, const Pairs *pairs)
 
 /*
   PairsSum - Computes the sums of continuity and momentum in one pass over the neighbours
-
-  Not collective.
 
   divergence: div u = sum_k du_k.c_k. A dummy counts with the velocity of a mirror image, twice
   u_wall - u_i, where that of its wall treatment is larger: an extrapolation by the factor beta
@@ -187,7 +185,7 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
   HydrostaticRise - Computes the part of PairsSum.diffusion that belongs to a hydrostatic slope of
   the density, sum_k 2 V_k slope.X_k (-W'/r) over the fluid [kg/m^5]
 
-  Not collective. Dummies have the density of the particle, so they have no part in it.
+  Dummies have the density of the particle, so they have no part in it.
 
   Reference: G. Fourtakas et al., Computers & Fluids 190 (2019) 346-361
 */
@@ -251,8 +249,8 @@ static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const Pet
 /*
   WcsphSetPairs - Sets volume, density, pressure and velocity difference of the neighbours
 
-  Not collective. A dummy behind a wall has the density of the particle, its pressure continued by
-  the body force f, and the velocity of the wall treatment:
+  A dummy behind a wall has the density of the particle, its pressure continued by the body force f,
+  and the velocity of the wall treatment:
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
 

@@ -4,7 +4,7 @@
 */
 #include "wcsph.h"
 
-/* WcsphReserve - Makes room for values of all local particles; not collective */
+/* WcsphReserve - Makes room for values of all local particles */
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
 {
   const PetscInt n     = ParticlesAll(flow->particles);
@@ -33,13 +33,9 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WcsphLatticeSum - Returns the kernel sum dx^d sum_j W_ij on a square lattice [-]
-
-  Masses are rho_0 V over this sum, so that a lattice at rest has the density rho_0 and no pressure.
-  For the cubic spline at h/dx = 1.57 it is 1.0033, which would be a pressure of 0.0033 rho_0 c0^2.
-  Not collective
-*/
+/* WcsphLatticeSum - Returns the kernel sum dx^d sum_j W_ij on a square lattice [-]. Masses are
+   rho_0 V over this sum, so that a lattice at rest has the density rho_0 and no pressure. For the
+   cubic spline at h/dx = 1.57 it is 1.0033, which would be a pressure of 0.0033 rho_0 c0^2. */
 PetscReal WcsphLatticeSum(const Flow *flow)
 {
   const OperatorForms *forms = &flow->ops->forms;

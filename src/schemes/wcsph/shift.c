@@ -61,9 +61,8 @@ PetscBool WcsphShifts(const Wcsph *w)
 
     s.grad u + |s|^2/(2d) lap u,   s.grad rho,   s.grad e
 
-  Not collective. The gradients are exact for linear fields. For the second term see FlowMove().
-  Input: slope - gradient of the concentration [1/m]; w->pairs. Output: w->shift, in the order of
-  the unknowns.
+  The gradients are exact for linear fields. For the second term see FlowMove(). Input: slope -
+  gradient of the concentration [1/m]; w->pairs. Output: w->shift, in the order of the unknowns.
 */
 void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
 {

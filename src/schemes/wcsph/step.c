@@ -54,7 +54,7 @@ static PetscErrorCode FollowPositions(Flow *flow)
 }
 
 /* WcsphKeepsVolume - Returns true if the density is an unknown and walls or periods keep the volume
-   of the fluid; not collective */
+   of the fluid */
 PetscBool WcsphKeepsVolume(const Flow *flow)
 {
   const Wcsph *w = (const Wcsph *)flow->scheme->data;

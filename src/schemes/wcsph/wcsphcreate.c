@@ -200,7 +200,6 @@ static PetscErrorCode RefuseFreeSurface(const Scene *scene, const Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the constants of the fluid. */
 static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
 {
   const Scene *scene = flow->scene;
@@ -272,20 +271,7 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WcsphCreate - Reads the options of the weakly compressible scheme
-
-  Collective on PETSC_COMM_WORLD.
-
-  Options Database Keys:
-+ -equation_of_state name         - row of the table
-. -sound_speed c                  - see DefaultSoundSpeed()
-. -density_form name              - continuity or summation
-. -pressure_reduction name        - row of the table
-. -density_diffusion delta        - see PairsSum()
-. -artificial_viscosity alpha,beta - see ArtificialViscosity()
-- -acoustic_cfl C                 - dt <= C h/(c0 + U)
-*/
+/* WcsphCreate - Reads the options of the weakly compressible scheme; collective */
 PetscErrorCode WcsphCreate(Flow *flow)
 {
   Wcsph *w;
