@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the manual against the program: README.md, CONTRIBUTING.md, STYLE.md and the pages under docs/.
+"""Tests the manual against the program: README.md, CHANGELOG.md, CONTRIBUTING.md, STYLE.md and the pages under docs/.
 
     docs.py links                     every link and anchor resolves, every quoted option exists
     docs.py run ISPH PAGE...          every command of the pages runs, in short variants
@@ -47,7 +47,7 @@ PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_erro
 
 def pages():
     """Returns the pages of the manual, as paths from the root of the source tree."""
-    found = ["README.md", "CONTRIBUTING.md", "STYLE.md"]
+    found = ["CHANGELOG.md", "README.md", "CONTRIBUTING.md", "STYLE.md"]
     for path in glob.glob(os.path.join(ROOT, "docs", "**", "*.md"), recursive=True):
         found.append(os.path.relpath(path, ROOT))
     return sorted(found)
@@ -182,7 +182,8 @@ def python_faults(page):
 def links():
     names = known_options()
     faults = [fault for page in pages() for kind in (link_faults, python_faults, message_faults) for fault in kind(page)]
-    faults += [fault for page in pages() if not page.startswith("docs/developers/results/") for fault in option_faults(page, names)]
+    faults += [fault for page in pages() if not page.startswith(("CHANGELOG", "docs/developers/results/"))  # they name options that are gone
+               for fault in option_faults(page, names)]
     faults += unanswered()
     faults += ["docs/limits.md is not that of docs/limits.csv"] if limits(False) else []
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
