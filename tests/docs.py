@@ -170,6 +170,18 @@ def message_faults(page):
                 yield f"{page}: no message contains '{part}'"
 
 
+def formula_faults():
+    """Yields the formulas of the theory that sources cite, as in "theory.md, (90) to (92)", and that it does not have."""
+    there = {int(number) for number in re.findall(r'id="eq-(\d+)"', read("docs/developers/theory.md") + read("docs/developers/tried.md"))}
+    for folder, ending in ("src", "[ch]"), ("include", "h"), ("cases", "c"), ("tests", "c"), ("options", "opts"):
+        for path in glob.glob(os.path.join(ROOT, folder, "**", f"*.{ending}"), recursive=True):
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+            for cited in re.findall(r"theory\.md,((?:[\s*#]*(?:\(\d+\)|and|to|,))+)", text):
+                for number in set(map(int, re.findall(r"\d+", cited))) - there:
+                    yield f"{os.path.relpath(path, ROOT)}: the theory has no formula ({number})"
+
+
 def python_faults(page):
     for mark, body, _, _ in blocks(read(page)):
         if mark == "python":
@@ -185,6 +197,7 @@ def links():
     faults += [fault for page in pages() if not page.startswith(("CHANGELOG", "docs/developers/results/"))  # they name options that are gone
                for fault in option_faults(page, names)]
     faults += unanswered()
+    faults += formula_faults()
     faults += ["docs/limits.md is not that of docs/limits.csv"] if limits(False) else []
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)

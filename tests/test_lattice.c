@@ -51,7 +51,7 @@ static void test_order_on_lattice(void **state)
 }
 
 /*
-  A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: docs/theory.md, (36).
+  A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: theory.md, (36).
   Its table gives 100 (S - 1) with one decimal for the square lattice and the cubic spline.
 */
 static void test_second_moment(void **state)
@@ -89,7 +89,7 @@ static void test_second_moment(void **state)
 
 /*
   Returns the factor S with which a form computes lap |x|^2 on a square lattice with h = dx and the
-  cubic spline: docs/theory.md, (37), from four neighbours at dx and four at sqrt(2) dx.
+  cubic spline: theory.md, (37), from four neighbours at dx and four at sqrt(2) dx.
 */
 static PetscReal FactorAtDx(const LaplacianRow *form)
 {
@@ -116,7 +116,7 @@ static PetscReal FactorAtDx(const LaplacianRow *form)
 }
 
 /*
-  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): docs/theory.md, (39)
+  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): theory.md, (39)
 
     (1/M) sum |numerical - exact| / sum |exact|,   exact = 12 |x|^2,   M = (N-3)^2
 

@@ -143,7 +143,7 @@ static void AssertDivergence(PetscInt k, const char *where, Cloud *cloud)
 /*
   Checks that the divergence of every linear velocity is exact in a closed box. A vector fit uses
   n.u_wall at the wall point. At dummies the normal component is continued through the wall, and the
-  tangential components by the gradient of the row, docs/theory.md, (54). This is exact if no factor
+  tangential components by the gradient of the row, theory.md, (54). This is exact if no factor
   beta of (54) reaches its bound of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx
   and the least distance 0.3 dx.
 */
@@ -163,7 +163,7 @@ static void CheckQuadraticVelocity(const WalledForms *forms, const char *where, 
 }
 
 /* Checks that the predicted velocity has the Dirichlet value u_wall + (k/rho) (n.grad p) n,
-   docs/theory.md, (88), and that the wall particle keeps the wall velocity. The last check of a
+   theory.md, (88), and that the wall particle keeps the wall velocity. The last check of a
    cloud, because the wall pressure gradient stays. */
 static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -202,7 +202,7 @@ static void CheckConcentration(const WalledForms *forms, const char *where, Clou
     for (PetscInt a = 0; a < cloud->scene.dim; a++)
       wrong += PetscAbsReal(ops->concentration.gradient[a][i]) * cloud->scene.dx > 1e-12;
   }
-  /* the quadrature error C - 1 of a lattice is below 3 %: docs/theory.md, (11) */
+  /* the quadrature error C - 1 of a lattice is below 3 %: theory.md, (11) */
   CloudAssertNone("concentration near 1", where, PetscAbsReal(C - 1.0) > 0.05);
   CloudAssertNone("concentration", where, wrong);
 }

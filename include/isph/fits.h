@@ -1,6 +1,6 @@
 /*
   Fits: kernels, the stencil of a particle with its neighbours, least-squares fits, and small dense
-  systems. Formulas: docs/theory.md, sections 3 and 4.
+  systems. Formulas: theory.md, sections 3 and 4.
 */
 #ifndef ISPH_FITS_H
 #define ISPH_FITS_H
@@ -122,8 +122,8 @@ typedef struct {
   PetscReal  *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid; of neighbours on a free
                                        surface, out of it */
   PetscInt   *side;                  /* side or body of wall neighbours */
-  PetscReal  *beta;         /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
-  PetscReal  *share;        /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
+  PetscReal  *beta;                  /* of dummies: factor of u_wall,i - u_i, theory.md, (49) */
+  PetscReal  *share;                 /* of dummies: weight in u_wall,i, theory.md, (50) */
   PetscReal  *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
   PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
   Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */

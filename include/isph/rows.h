@@ -9,7 +9,7 @@
 
   A over fluid, B over wall particles. Weights act on differences f_j - f_i, so constants are in the
   null space. The wall treatment decides the equation of a wall neighbour in the row. Formulas:
-  docs/theory.md, sections 3 to 6.
+  theory.md, sections 3 to 6.
 */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H

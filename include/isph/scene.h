@@ -185,7 +185,7 @@ struct Rheology {
   PetscReal          t;         /* present time [s] */
 };
 
-/* Map of the lattice along an axis, whose cells are smaller at walls: docs/theory.md, (138). */
+/* Map of the lattice along an axis, whose cells are smaller at walls: theory.md, (138). */
 typedef struct {
   PetscReal strength;    /* beta of the map; 0: uniform [-] */
   PetscReal end;         /* tanh(beta) */
@@ -195,7 +195,7 @@ typedef struct {
 
 #define GRADING_ROWS 2 /* ordered rows of particles along walls, with the spacing of the wall */
 
-/* Isotropic grading: the spacing as a function of place, docs/theory.md, (142). */
+/* Isotropic grading: the spacing as a function of place, theory.md, (142). */
 typedef struct {
   PetscBool  on;
   Expression spacing;                /* function of x, y, z; n = 0: not given [dx] */

@@ -165,7 +165,7 @@ PetscErrorCode GradientRow_MlsDegree(Stencil *st, PetscInt degree, PetscReal *g[
 }
 
 /*
-  FilterRow_Mls - Computes the residual of a fit with a free constant, docs/theory.md, (22); its
+  FilterRow_Mls - Computes the residual of a fit with a free constant, theory.md, (22); its
   degree is the largest even one up to st->degree
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),

@@ -67,7 +67,7 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
   above 1 it multiplies the rate; the regime decides on the last term (`across`), which counts for a
   pressure on coarse points only. k in this term is bounded, so that no component of r changes its
-  sign. See docs/theory.md, (77) and (255).
+  sign. See theory.md, (77) and (255).
 
   Input Parameters:
 + A        - gradient of the velocity [1/s]

@@ -93,7 +93,7 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_l2   = (sum V |u - u_e|^2 / sum V |u_e|^2)^1/2
     velocity_linf = max |u - u_e| / max |u_e|
 
-  Collective. See docs/theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
+  Collective. See theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
   nothing if the case has no exact solution. Adds pressure_l2 if the run has a pressure and the
   exact solution gives it. The means of both pressures are subtracted unless a boundary gives the
   pressure.
@@ -169,7 +169,7 @@ static PetscErrorCode SumMomentum(const Flow *flow, PetscReal momentum[])
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
-    2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies,
+    2D, theory.md, (114), with the weights (131) in a periodic box without forces and bodies,
     unless pair forces keep the sum itself;
     divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
     and graded_energy, if graded particles move; those of MeasureFree() with a free surface

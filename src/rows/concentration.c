@@ -209,7 +209,7 @@ static void AddOpenings(const Scene *scene, const KernelRow *kernel, const Stenc
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
   j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
-  mirror images if wall particles lie on the surface, otherwise the dummies: docs/theory.md, (10).
+  mirror images if wall particles lie on the surface, otherwise the dummies: theory.md, (10).
   Mirror images continue it beyond free surfaces too.
 
   Input Parameters:

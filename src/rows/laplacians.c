@@ -37,7 +37,7 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 
     (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
 
-  Properties: symmetric for equal volumes; all weights positive, docs/theory.md, (8). With the
+  Properties: symmetric for equal volumes; all weights positive, theory.md, (8). With the
   cubic spline the result on lattices is wrong by up to 8 %; on disordered particles the error is
   O(1/dx).
 
@@ -61,7 +61,7 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 
   Properties: symmetric for equal volumes. Its weights change sign, and the matrix of -lap has
   negative eigenvalues: with spline kernels on lattices, with all kernels on disordered particles
-  (docs/theory.md, (40)). Modes that should decay then grow, so the form serves for comparison only.
+  (theory.md, (40)). Modes that should decay then grow, so the form serves for comparison only.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
   div u = 0

@@ -254,9 +254,9 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   velocity components
 
   Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
-  stress.c: docs/theory.md, (71). Rows are those of a fit of each component. If the particle or a
+  stress.c: theory.md, (71). Rows are those of a fit of each component. If the particle or a
   neighbour is on a free surface, the row has pair forces with the factor of the particle, whose
-  traction on the surface is zero, and the surface has no pressure: docs/theory.md, (187). A
+  traction on the surface is zero, and the surface has no pressure: theory.md, (187). A
   condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose gradient
   is not the stress.
 */

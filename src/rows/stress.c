@@ -3,7 +3,7 @@
   that joins them. The strengths of the forces are those of least squares (stress_mls) or of a
   kernel (pairwise_stress). A rigid motion has no force (to rounding) for any viscosities, so
   truncation errors do not accelerate a very viscous drop that rotates in a fluid of low viscosity.
-  See docs/theory.md, (67) to (71) and (148) to (150).
+  See theory.md, (67) to (71) and (148) to (150).
 */
 #include "fits/mls.h"
 #include "rows.h"
@@ -120,12 +120,12 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 
     2 (d+2) sum_k V_k (u_k - u_i).X/r^2 grad_i W ~ lap u + 2 grad div u
 
-  The factor is exact in the continuum: docs/theory.md, (167). The published factor 8 is that of two
+  The factor is exact in the continuum: theory.md, (167). The published factor 8 is that of two
   dimensions.
 
   Properties: symmetric for equal volumes with forces along the pair, as pairwise_stress. A
   correction replaces grad_i W, whose direction then is not that of the pair. On lattices the
-  viscosity depends on the direction of the strain: docs/theory.md, the table below (167).
+  viscosity depends on the direction of the strain: theory.md, the table below (167).
 
   Reference: J. J. Monaghan, R. A. Gingold, J. Comput. Phys. 52 (1983) 374-389; D. Violeau, R. Issa,
   Int. J. Numer. Meth. Fluids 53 (2007) 277-304; M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer.
@@ -163,7 +163,7 @@ PetscErrorCode LaplacianRow_Cleary(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes V_k (W'' - W'/r) of neighbour k, which docs/theory.md, (8), makes positive. */
+/* Computes V_k (W'' - W'/r) of neighbour k, which theory.md, (8), makes positive. */
 static inline PetscReal PairStrength(const Stencil *st, PetscInt k)
 {
   return st->V[k] * (st->ddW[k] - st->dW[k] / st->r[k]);
@@ -203,7 +203,7 @@ static void DropFriction(const Stencil *st, PetscReal w[])
     c_k = 2 V_k (W'' - W'/r) (B_i + B_k)/2,               B_i = d (d+2)/sum_k V_k (W'' - W'/r) r^2
 
   B makes the dissipation of u = x exact in any cloud of equal volumes with or without a free
-  surface, on which the traction is zero: docs/theory.md, (148) to (150).
+  surface, on which the traction is zero: theory.md, (148) to (150).
 
   Properties: symmetric for equal volumes, so momentum and angular momentum are constant; all
   strengths are positive; no force on rigid motions for any viscosities. On lattices the viscosity

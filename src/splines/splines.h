@@ -7,7 +7,7 @@
   u in the integral is the least-squares fit of the particles' velocities at Gauss points. psi_q are
   quadratic, and chi_q too, but cubic with quartic fits, see SplinesSet(). psi_q sum to 1, so D
   conserves volume exactly: errors of single particles cancel in sums over splines. Beside bodies
-  the splines are extended, see splineextend.c; docs/theory.md, section 8.
+  the splines are extended, see splineextend.c; theory.md, section 8.
 */
 #ifndef ISPH_SPLINES_H
 #define ISPH_SPLINES_H

@@ -13,7 +13,7 @@
 
     dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum over facets of int (grad_s N_i n)(grad_s N_j n)
 
-  Source: docs/theory.md, (501)-(503). Derivatives of the area are those of K. A. Brakke, Exp. Math.
+  Source: theory.md, (501)-(503). Derivatives of the area are those of K. A. Brakke, Exp. Math.
   1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth. Fluids 51 (2006)
   659-672.
 */

@@ -9,7 +9,7 @@
 
   The gradient at i is unknown, but linear in the values of the neighbours and the wall data. So
   each row with dummies has a small linear system, whose solution gives new weights. A row that is
-  exact for linear fields remains exact beside walls: docs/theory.md, (51) to (56).
+  exact for linear fields remains exact beside walls: theory.md, (51) to (56).
 */
 #include "rows/assembly.h"
 #include "boundary_rows.h"
@@ -332,7 +332,7 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
   If wall neighbours have equations in fits and the gradient form has a DivergenceFit, the rows come
   from this fit of the velocity vector, otherwise from the weights of the gradient. Below a free
   surface fits have their own degree. Boundaries have the equations of FIT_DIVERGENCE in fluids with
-  a free surface only: docs/theory.md, section 5.
+  a free surface only: theory.md, section 5.
 */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)

@@ -42,7 +42,7 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
   u_wall is evaluated at the wall point of the particle; the particle stores it too. The second term
   is for the predicted velocity: the projection will change its normal component by
   -projection_factor n.grad phi, and n.grad phi of the pressure increment phi is p_step. See
-  docs/theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a
+  theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a
   component whose equation is n.grad u_c is zero.
 
   Input Parameter:

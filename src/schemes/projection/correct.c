@@ -9,7 +9,7 @@
   An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
   short, phi is therefore far too large for the following steps, which may be thousands of times as
   long. An incremental projection therefore adds about the phi that a step of usual length would
-  have; the true change of the pressure in such a short time is small. See docs/theory.md, (91).
+  have; the true change of the pressure in such a short time is small. See theory.md, (91).
 */
 static PetscReal PressureGain(const Flow *flow)
 {

@@ -8,7 +8,7 @@
 
   with the step s of the grid. Isolated particles have their own volume instead of a cell. The sum
   is the volume inside the surface: clumps and voids, and surfaces that rise or sink, change it. See
-  docs/theory.md, (158).
+  theory.md, (158).
 */
 #include "geometry/cellpolygon.h"
 #include "surface.h"

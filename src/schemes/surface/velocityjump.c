@@ -5,7 +5,7 @@
   from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
   the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
   order 1. In closed flows walls change the velocity of their own layer only, and no place depends
-  on it; their formulas stay. See docs/theory.md, (360) to (363).
+  on it; their formulas stay. See theory.md, (360) to (363).
 */
 #include "surface.h"
 

@@ -75,7 +75,7 @@ PetscErrorCode WcsphVolume(const Flow *flow, PetscReal *volume)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies all densities by the factor that restores the volume at the start: docs/theory.md,
+/* Multiplies all densities by the factor that restores the volume at the start: theory.md,
    (286). Errors of div u otherwise add up to a density, and a speed of sound, far from that at
    rest. */
 static PetscErrorCode RestoreVolume(Flow *flow)
