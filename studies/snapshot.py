@@ -74,6 +74,7 @@ class Snapshot:
         self.radius = size[self.fluid] * (0.75 / np.pi) ** (1 / 3)  # of balls with the volume of the particles
         fluid = self.fluid
         if self.dim == 3:
+            cut = cut if cut[fluid].any() else np.ones(len(x), bool)  # fluid that has not come to the middle
             fluid, x, u, size = fluid[cut], x[cut, :2], u[cut], size[cut]
         self.x, self.size = x[fluid], size[fluid]
         self.kinds = self.attributes["boundary_kinds"].split(",")[:4]
