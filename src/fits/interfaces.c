@@ -239,7 +239,7 @@ PetscBool InterfaceNear(const Particles *p, const PetscReal x[], PetscInt count,
   plane->fluid[0] = own;
   other           = FindBeyond(p, x, count, list, plane);
   plane->fluid[1] = other < 0 ? own : (PetscInt)p->fluid[other];
-  return other < 0 ? PETSC_FALSE : PETSC_TRUE;
+  return !(other < 0);
 }
 
 /* InterfacesUpdateHalo - Copies distances from interfaces and normals to the halo; collective */

@@ -168,7 +168,7 @@ static PetscErrorCode AccelerationBegin(Flow *flow)
 
 static PetscBool Advances(const Flow *flow)
 {
-  return flow->clock->steady_solve || flow->scheme->Accelerate ? PETSC_FALSE : PETSC_TRUE;
+  return !(flow->clock->steady_solve || flow->scheme->Accelerate);
 }
 
 /* The acceleration of particles in the last step, and the error in time. */

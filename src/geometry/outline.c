@@ -240,7 +240,7 @@ static PetscBool Buries(const Outline o[], PetscInt first, PetscInt last, const 
         winding += b[1] > a[1] ? 1 : -1;
     }
   }
-  return (o[first].sign < 0.0) == (winding != 0) ? PETSC_TRUE : PETSC_FALSE;
+  return (o[first].sign < 0.0) == (winding != 0);
 }
 
 /* Returns true if another solid buries x on a line of outline `own`. */

@@ -234,7 +234,7 @@ PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
 
   PetscFunctionBegin;
   if (found < 0) file->failed = PETSC_TRUE;
-  *there = found > 0 ? PETSC_TRUE : PETSC_FALSE;
+  *there = found > 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -284,9 +284,7 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
     const hssize_t values = H5Sget_simple_extent_npoints(space);
     const size_t   size   = H5Tget_size(type); /* 0: a type of no size, in a damaged file */
 
-    *full = size && values >= 0 && H5Dget_storage_size(data) / size >= (hsize_t)values
-                ? PETSC_TRUE
-                : PETSC_FALSE;
+    *full = size && values >= 0 && H5Dget_storage_size(data) / size >= (hsize_t)values;
   }
   (void)Hdf5Noted(file, H5Pclose(creation));
   (void)Hdf5Noted(file, H5Tclose(type));
@@ -328,9 +326,7 @@ static hid_t AttributeOpen(Hdf5File *file, const char name[], H5T_class_t wanted
   space = Hdf5Noted(file, H5Aget_space(attribute));
   type  = Hdf5Noted(file, H5Aget_type(attribute));
   fits  = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == wanted &&
-                 H5Tis_variable_str(type) <= 0
-              ? PETSC_TRUE
-              : PETSC_FALSE;
+         H5Tis_variable_str(type) <= 0;
   (void)Hdf5Noted(file, H5Tclose(type));
   (void)Hdf5Noted(file, H5Sclose(space));
   if (fits) return attribute;

@@ -281,7 +281,7 @@ PetscErrorCode SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal ro
     PetscBool      there;
 
     PetscCall(SnapshotPath(snapshots, snapshot.number, path));
-    there = access(path, R_OK) == 0 ? PETSC_TRUE : PETSC_FALSE;
+    there = access(path, R_OK) == 0;
     PetscCall(FirstRankDecides(&there));
     if (there) snapshots->done[snapshots->n++] = snapshot;
   }

@@ -33,7 +33,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
   for (PetscInt k = 0; k < n; k++) cols[k] = p->row[local[k]];
   ops->work->simple = PatternRow(fluid, st->i, cols, local, n, place) && !st->n_wall;
-  ops->work->single = fluid->row[st->i + 1] - fluid->row[st->i] == n ? PETSC_TRUE : PETSC_FALSE;
+  ops->work->single = fluid->row[st->i + 1] - fluid->row[st->i] == n;
   *diagonal         = place[own] - fluid->row[st->i];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
@@ -133,15 +133,15 @@ static PetscBool IsShared(const Stencil *st, const OperatorRows *rows)
 {
   const PetscInt *fluid = &rows->fluid.row[st->i], *walls = &rows->walls.row[st->i];
 
-  if (!rows->fitted) return st->n && !st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  if (!rows->fitted) return st->n && !st->n_wall;
   if (!st->fit.fitted || fluid[1] - fluid[0] != st->n - st->n_wall + 1) return PETSC_FALSE;
-  return !st->n_wall || walls[1] - walls[0] == st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  return !st->n_wall || walls[1] - walls[0] == st->n_wall;
 }
 
 /* Returns true if row i repeats an earlier one. */
 static inline PetscBool Repeats(const Operators *ops, PetscInt i)
 {
-  return ops->work->like && ops->work->like[i] < i ? PETSC_TRUE : PETSC_FALSE;
+  return ops->work->like && ops->work->like[i] < i;
 }
 
 /* Finds the place of the present row in operators that share rows. */
@@ -285,8 +285,7 @@ static PetscErrorCode ChooseWeights(const Scene *scene, const Particles *p, cons
 static PetscErrorCode ReserveWeights(PetscInt fluid, PetscInt walls, AffineOperator *needed[],
                                      PetscInt count, OperatorRows *rows)
 {
-  const PetscBool grown =
-      rows->weights_capacity < fluid || rows->walls_capacity < walls ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool grown = rows->weights_capacity < fluid || rows->walls_capacity < walls;
 
   PetscFunctionBegin;
   if (!grown) PetscFunctionReturn(PETSC_SUCCESS);
@@ -391,7 +390,7 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
 {
   const StrainQuantity velocity = {.sets = ops->n_velocity, .cut = ops->cut_surface};
   AffineOperator      *visc     = &ops->velocity[0].visc;
-  const PetscBool      products = ops->cut_surface && p->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool      products = ops->cut_surface && p->dim == 3;
 
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
@@ -429,11 +428,10 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
                                  Operators *ops, PetscBool *changed)
 {
   AffineOperator  *needed[OPERATORS_COUNT];
-  const PetscInt   count  = NeededOperators(ops, needed);
-  const KernelSize kernel = FormsKernel(&ops->forms);
-  const PetscBool  weak =
-      ops->needs & NEED_VISCOSITY && ops->forms.visc.row->weak ? PETSC_TRUE : PETSC_FALSE;
-  Mat like[2] = {NULL, NULL};
+  const PetscInt   count   = NeededOperators(ops, needed);
+  const KernelSize kernel  = FormsKernel(&ops->forms);
+  const PetscBool  weak    = ops->needs & NEED_VISCOSITY && ops->forms.visc.row->weak;
+  Mat              like[2] = {NULL, NULL};
 
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;

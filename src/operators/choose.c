@@ -217,8 +217,7 @@ static PetscBool HasFreeTraction(const LaplacianForm *visc)
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
 {
   if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
-                                                                                     : PETSC_TRUE;
+  return !(SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress);
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */

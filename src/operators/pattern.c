@@ -95,8 +95,7 @@ static inline PetscBool RowIsOwn(const Pattern *pattern, PetscInt i, PetscInt st
 {
   const PetscInt first = pattern->row[i], last = pattern->row[i + 1] - 1;
 
-  return first > last || (pattern->col[first] >= start && pattern->col[last] < end) ? PETSC_TRUE
-                                                                                    : PETSC_FALSE;
+  return first > last || (pattern->col[first] >= start && pattern->col[last] < end);
 }
 
 /* Creates a MATMPIAIJ from rows that are split beforehand, which needs no copies. Own columns begin

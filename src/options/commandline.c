@@ -152,7 +152,7 @@ static PetscBool SkipsOwnFiles(int argc, char **argv)
 
   for (int k = 1; k < argc; k++) {
     if (!IsOption(argv[k], "skip_petscrc")) continue;
-    skips = k + 1 < argc && strchr("0fFnN", argv[k + 1][0]) ? PETSC_FALSE : PETSC_TRUE;
+    skips = !(k + 1 < argc && strchr("0fFnN", argv[k + 1][0]));
   }
   return skips;
 }

@@ -90,9 +90,7 @@ PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[])
 PetscBool ExpressionScopeKnows(const ExpressionScope *scope, const char name[])
 {
   PetscBool known = !strcmp(name, "x") || !strcmp(name, "y") || !strcmp(name, "z") ||
-                            !strcmp(name, "t") || !strcmp(name, "g")
-                        ? PETSC_TRUE
-                        : PETSC_FALSE;
+                    !strcmp(name, "t") || !strcmp(name, "g");
 
   for (PetscInt k = 0; k < scope->n_constants; k++)
     if (!strcmp(name, scope->name[k])) known = PETSC_TRUE;
@@ -129,7 +127,7 @@ PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
    this rank */
 PetscBool ExpressionScopeForget(ExpressionScope *scope)
 {
-  const PetscBool fault = scope && scope->fault[0] ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool fault = scope && scope->fault[0];
 
   if (fault) scope->fault[0] = '\0';
   return fault;

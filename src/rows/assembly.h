@@ -33,7 +33,7 @@ static inline PetscBool AffineShares(const AffineOperator *op)
 /* Returns true if an operator stores the present row itself. */
 static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op)
 {
-  return AffineShares(op) && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
+  return !(AffineShares(op) && ops->work->shared);
 }
 
 PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const OperatorRows *rows,

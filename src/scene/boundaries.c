@@ -238,7 +238,7 @@ PetscBool SceneIsClosedBox(const Scene *scene)
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
     if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) return PETSC_FALSE;
   }
-  return scene->n_bodies || scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
+  return !(scene->n_bodies || scene->n_filled);
 }
 
 /* BodyGivenMotion - Computes the given velocity of the centre of a body [m/s] and its given angular

@@ -141,7 +141,7 @@ static PetscBool PlaneOf(const Scene *scene, PetscInt side, const PetscReal x[],
     plane->distance         = SceneSideDistance(scene, side, x);
     plane->normal[side / 2] = side % 2 ? -1.0 : 1.0;
   }
-  return plane->distance < reach ? PETSC_TRUE : PETSC_FALSE;
+  return plane->distance < reach;
 }
 
 /*
@@ -201,7 +201,7 @@ PetscBool SceneBuries(const Scene *scene, PetscInt other, PetscInt boundary, con
   if (plane.distance < -slack || other < boundary) return PETSC_TRUE;
   (void)PlaneOf(scene, boundary, x, PETSC_INFINITY, &own);
   for (PetscInt a = 0; a < scene->dim; a++) along += own.normal[a] * plane.normal[a];
-  return along < SAME_WAY ? PETSC_TRUE : PETSC_FALSE;
+  return along < SAME_WAY;
 }
 
 /* SceneIsBuried - Returns true if any boundary buries a point of the surface of a boundary, which

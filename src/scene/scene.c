@@ -108,8 +108,7 @@ PetscBool SceneKeepsMomentum(const Scene *scene)
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (!SceneIsPeriodic(scene, a)) return PETSC_FALSE;
   }
-  return scene->n_bodies || SceneMixes(scene) || SceneHas(scene, PHYSICS_BODY_FORCE) ? PETSC_FALSE
-                                                                                     : PETSC_TRUE;
+  return !(scene->n_bodies || SceneMixes(scene) || SceneHas(scene, PHYSICS_BODY_FORCE));
 }
 
 /* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time, as a

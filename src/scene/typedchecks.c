@@ -77,7 +77,7 @@ static PetscBool MoveAlike(const Scene *scene, PetscInt side, PetscInt other, Pe
     apart = PetscMax(apart, PetscAbsReal(u[0][a] - u[1][a]));
     apart = PetscMax(apart, scene->length * PetscAbsReal(spin[0][a] - spin[1][a]));
   }
-  return !moves || apart <= THROUGH * scene->speed ? PETSC_TRUE : PETSC_FALSE;
+  return !moves || apart <= THROUGH * scene->speed;
 }
 
 /* Returns the distance of x from a boundary [m]. */
@@ -396,7 +396,7 @@ static PetscErrorCode RideBody(Scene *scene, PetscInt k)
             "-scene_%s: with -motion frame bodies turn about the axis of the frame and do not "
             "travel; give one rate, -scene_%s_rotation",
             name, name);
-  boundary->rides = ThroughSurface(scene, k, frame->centre) > THROUGH ? PETSC_TRUE : PETSC_FALSE;
+  boundary->rides = ThroughSurface(scene, k, frame->centre) > THROUGH;
   if (!boundary->rides || !boundary->rotation.n) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < 2; a++)
     off = PetscMax(off, PetscAbsReal(boundary->body.centre[a] - frame->centre[a]));

@@ -141,9 +141,7 @@ PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, P
   for (PetscInt k = 0; k < 2; k++)
     PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, shows[k], &given[k]));
   *only = multiplies && diagonal && same && linear && !given[0] && !given[1] &&
-                  !KspViewsHaveMatrix(&guard->ksp_views)
-              ? PETSC_TRUE
-              : PETSC_FALSE;
+          !KspViewsHaveMatrix(&guard->ksp_views);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -105,7 +105,7 @@ static PetscBool IsFirst(const Scene *scene, PetscInt first, const PetscReal x[]
   for (PetscInt k = 0; k < first; k++)
     if (SceneFilledDistance(scene, k, x) >= 0.0) return PETSC_FALSE;
   if (scene->n_filled && SceneFilledDistance(scene, first, x) < 0.0) return PETSC_FALSE;
-  return SceneDistance(scene, x, &body, normal) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return SceneDistance(scene, x, &body, normal) > 0.0;
 }
 
 /* ParticlesExpect - Estimates the number of fluid particles at the start by the midpoint rule in

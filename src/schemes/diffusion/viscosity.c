@@ -319,7 +319,7 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *v)
 {
   const PetscReal t_new   = flow->clock->t + flow->clock->dt;
-  const PetscBool all     = v->systems == 1 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool all     = v->systems == 1;
   StepFailure    *failure = &flow->scheme->failure;
 
   PetscFunctionBegin;

@@ -39,7 +39,7 @@ static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
 
   PetscFunctionBegin;
   for (PetscInt i = first; i < (fluid ? p->n_fluid : ParticlesOwn(p)); i++) {
-    const PetscBool       wall            = i >= p->n_fluid ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool       wall            = i >= p->n_fluid;
     const ScalarBoundary *law             = NULL;
     PetscReal             value           = wall ? 0.0 : s->c[i];
     PetscReal             x[ISPH_MAX_DIM] = {0.0};
