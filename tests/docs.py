@@ -285,9 +285,10 @@ exec @ISPH@ "$@"
 """
 
 STUDY = """#!/usr/bin/env bash
-# isph-study; for a short variant with the first two values of each --vary and --n.
+# isph-study; for a short variant with the first two values of each --vary and --n, and half of --reference.
 words=() last=
 for word in "$@"; do
+  if [ @SHORT@ ] && [[ $last == --reference ]]; then word=$((word / 2)); fi
   if [ @SHORT@ ] && [[ $last =~ ^--(vary|n)$ ]]; then
     word=$(sed -E 's/^([a-z_]+=[0-9]+)[.][.][0-9]+$/\\1..2/; s/^([^,]*,[^,]*),.*/\\1/' <<<"$word")
   fi

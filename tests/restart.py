@@ -151,9 +151,8 @@ def checksum(path):
 
 def bitwise(*command):
     for n in 1, 3:
-        for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
+        for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]),
                            ("coupled", ["-scheme", "coupled"]), ("same", SAME),
-                           ("coarse_eulerian", ["-pressure_points", "coarse", "-motion", "eulerian"]),
                            ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("graded", ["-motion", "eulerian", "-spacing_wall", "0.7"]),
                            ("graded_same", [*SAME, "-motion", "eulerian", "-spacing_wall", "0.7"]),
@@ -165,7 +164,7 @@ def bitwise(*command):
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
-                           ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
+                           ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
                            ("fluids", FLUIDS), ("mixture", MIXTURE), ("bodies", BODIES), ("heat", HEAT),
                            ("heat_eulerian", [*HEAT, "-motion", "eulerian"]),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
