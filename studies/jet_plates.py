@@ -114,7 +114,7 @@ def part(found):
            f"straight jets sway by some 0.05 D. A fold is a crossing of the mean place to the right between places {jet_folds.FAR:g} D off it on both sides, "
            f"U t/D = {START:g} to {END:g}; periods are in D/U. Stray particles are farther than 2 dx from the largest group, the most of all snapshots "
            f"(every {EVERY:g} D/U). Volume is the error of the volume inside the surface at the end: the surface of the heap shortens, particles crowd in it, "
-           "and the control of the volume ([theory](../theory.md#1512-volume)) follows with a delay. Without it the errors were -17 to -29 %. "
+           "and the control of the volume ([theory](../theory/surface-schemes.md#1512-volume)) follows with a delay. Without it the errors were -17 to -29 %. "
            "Steps in which a velocity left its bounds are repeated with half of their length (`-dt_adapt retry`).\n")
     yield "## Height, Re = 0.2\n"
     yield from table(["H/D", *head], [[f"{h}", *cells(runs)] for h, runs in heights.items()])

@@ -172,7 +172,7 @@ def message_faults(page):
 
 def formula_faults():
     """Yields the formulas of the theory that sources cite, as in "theory.md, (90) to (92)", and that it does not have."""
-    there = {int(number) for number in re.findall(r'id="eq-(\d+)"', read("docs/developers/theory.md") + read("docs/developers/tried.md"))}
+    there = {int(number) for number in re.findall(r'id="eq-(\d+)"', "".join(map(read, pages())))}
     for folder, ending in ("src", "[ch]"), ("include", "h"), ("cases", "c"), ("tests", "c"), ("options", "opts"):
         for path in glob.glob(os.path.join(ROOT, folder, "**", f"*.{ending}"), recursive=True):
             with open(path, encoding="utf-8") as file:

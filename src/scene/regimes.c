@@ -232,12 +232,12 @@ static const RegimeRow step_holds[] = {
 };
 
 #define ROWS(table) table, (PetscInt)(sizeof(table) / sizeof((table)[0]))
-#define FILTERS     "developers/theory.md#7-filters"
-#define SOLVERS     "developers/theory.md#13-linear-solvers"
+#define FILTERS     "developers/theory/filters.md#7-filters"
+#define SOLVERS     "developers/theory/solvers.md#13-linear-solvers"
 #define STABILITY   "developers/results/stability.md"
 
 const RegimeTable RegimeTables[REGIMES] = {
-    [REGIME_SCHEME]     = {"-scheme", NUMBER_SURFACE, "developers/theory.md#158-projection",
+    [REGIME_SCHEME]     = {"-scheme", NUMBER_SURFACE, "developers/theory/surface.md#158-projection",
                            PETSC_FALSE, ROWS(schemes)},
     [REGIME_POINTS]     = {"-pressure_points", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(points)},
     [REGIME_KERNEL]     = {"-h_over_dx", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(kernels)},
@@ -254,10 +254,11 @@ const RegimeTable RegimeTables[REGIMES] = {
                                ROWS(strengths)},
     [REGIME_DT_ADAPT]       = {"-dt_adapt", NUMBER_NONE, "howto/time-steps.md", PETSC_FALSE,
                                ROWS(controls)},
-    [REGIME_COURANT] = {"-cfl", NUMBER_NONE, "developers/theory.md#12-fixed-particles", PETSC_FALSE,
-                        ROWS(courants)},
+    [REGIME_COURANT]  = {"-cfl", NUMBER_NONE, "developers/theory/motion.md#12-fixed-particles",
+                         PETSC_FALSE, ROWS(courants)},
     [REGIME_GRADIENT] = {"-coupled_gradient", NUMBER_NONE,
-                         "developers/theory.md#157-coupled-system", PETSC_FALSE, ROWS(gradients)},
+                         "developers/theory/surface.md#157-coupled-system", PETSC_FALSE,
+                         ROWS(gradients)},
     [REGIME_VISC_PC] = {"-visc_pc_type", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE, ROWS(viscous_pcs)},
     [REGIME_VISC_RTOL]    = {"-visc_ksp_rtol", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE,
                              ROWS(viscous_rtols)},
