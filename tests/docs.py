@@ -182,6 +182,17 @@ def formula_faults():
                     yield f"{os.path.relpath(path, ROOT)}: the theory has no formula ({number})"
 
 
+def cited_faults():
+    """Yields the pages and files of the manual that sources name and that are not there."""
+    for folder in "src", "include", "cases", "tests", "options", "studies", "packaging":
+        for path in sorted(glob.glob(os.path.join(ROOT, folder, "**", "*"), recursive=True)):
+            if os.path.isfile(path) and not path.endswith((".png", ".h5", ".pyc")):
+                with open(path, encoding="utf-8", errors="replace") as file:
+                    for name in sorted(set(re.findall(r"\bdocs/[a-z_/-]+\.(?:md|csv|png)\b", file.read()))):
+                        if not os.path.exists(os.path.join(ROOT, name)):
+                            yield f"{os.path.relpath(path, ROOT)}: {name}: no such file"
+
+
 def python_faults(page):
     for mark, body, _, _ in blocks(read(page)):
         if mark == "python":
@@ -198,6 +209,7 @@ def links():
                for fault in option_faults(page, names)]
     faults += unanswered()
     faults += formula_faults()
+    faults += cited_faults()
     faults += ["docs/limits.md is not that of docs/limits.csv"] if limits(False) else []
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)
