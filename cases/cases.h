@@ -2,9 +2,8 @@
 #ifndef ISPH_CASES_SHARED_H
 #define ISPH_CASES_SHARED_H
 
+#include "isph/cases.h"
 #include "isph/io.h"
-
-#define NAVIER_STOKES (PHYSICS_VISCOSITY | PHYSICS_PRESSURE | PHYSICS_CONVECTION)
 
 /* cavity.c */
 PetscErrorCode CavitySetup(Scene *scene);
@@ -24,8 +23,7 @@ PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *repo
                                PetscReal *energy);
 
 /* exact.c */
-PetscErrorCode MeasureExact(const Flow *flow, Report *report);
-void           VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
+void VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
 
 /* array.c */
 PetscErrorCode MeasureArray(const Flow *flow, PetscReal scale, PetscReal known, Report *report);

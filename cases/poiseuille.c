@@ -30,8 +30,7 @@ static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
   PetscReal      sum    = 0.0;
 
   for (PetscInt k = 0; k < panels; k++)
-    sum += scene->rheology.row->Rate(&scene->rheology,
-                                     here + (wall - here) * (k + 0.5) / (PetscReal)panels);
+    sum += RheologyRate(&scene->rheology, here + (wall - here) * (k + 0.5) / (PetscReal)panels);
   return f != 0.0 ? sum * (wall - here) / panels / f : 0.0;
 }
 

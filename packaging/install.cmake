@@ -1,15 +1,19 @@
 # cmake --install and cpack bring the program, the library with its headers, a CMake package and a
-# pkg-config file, options, reference data, the plot tool, the manual, a man page and completion.
+# pkg-config file, the Python package, options, reference data, the plot tool, the manual, man pages and completion.
 
 set(data ${CMAKE_INSTALL_DATADIR}/isph)
 install(TARGETS isph isph_core)
 install(DIRECTORY include/isph DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES include/isph.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY options/ DESTINATION ${data}/options FILES_MATCHING PATTERN "*.opts" PATTERN "shapes/*.*")
 install(DIRECTORY cases/reference/ DESTINATION ${data}/reference FILES_MATCHING PATTERN "*.csv")
 install(FILES LICENSE CITATION.cff CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/packaging)
+
+# The Python package goes where Debian's Python looks for packages; elsewhere PYTHONPATH names the directory.
+set(python_packages lib/python3/dist-packages)
 
 # The tools in Python and their modules, with links in the directory of programs; isph-study is in the build tree too.
 install(PROGRAMS studies/plot studies/isph-study DESTINATION ${data}/studies)
@@ -27,6 +31,9 @@ file(CREATE_LINK ${CMAKE_SOURCE_DIR}/studies/isph-study ${CMAKE_BINARY_DIR}/isph
 include(packaging/manual.cmake)
 configure_file(packaging/isph.1.in packaging/isph.1 @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/packaging/isph.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+include(packaging/isph3.cmake)
+install(FILES ${CMAKE_BINARY_DIR}/packaging/isph.3 DESTINATION ${CMAKE_INSTALL_MANDIR}/man3)
+install(DIRECTORY python/isph DESTINATION ${python_packages} FILES_MATCHING PATTERN "*.py")
 install(FILES packaging/isph.bash RENAME isph
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 

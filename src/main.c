@@ -1,8 +1,7 @@
-/* The program: answers a request that needs no run, or else creates a scene and solves it. */
-#include "isph/cases.h"
+/* The program: answers a request that needs no run, or else runs a flow of the library. */
+#include "isph.h"
 #include "isph/catalogue.h"
-#include "isph/io.h"
-#include "isph/patch.h"
+#include "isph/regime.h"
 #include "isph/run.h"
 
 /* Prints the log of -log_view, before PETSc would without looking for a full disk. */
@@ -25,19 +24,22 @@ static PetscErrorCode ViewLog(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Runs the flow of PETSc's options. A failed step is reported too. */
 static PetscErrorCode Solve(void)
 {
-  PetscBool viewed;
-  Scene    *scene;
+  const PetscViewer out = PETSC_VIEWER_STDOUT_WORLD;
+  PetscErrorCode    failed;
+  IsphFlow          flow;
 
   PetscFunctionBegin;
-  PetscCall(SceneCreate(&CaseOption, &scene));
-  PetscCall(SceneView(scene, &viewed));
-  if (viewed) PetscCall(SceneDestroy(&scene));
-  if (viewed) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->problem->patch) PetscCall(PatchRun(scene));
-  else PetscCall(FlowRun(scene));
-  PetscCall(SceneDestroy(&scene));
+  PetscCall(InterruptInstall());
+  PetscCall(IsphFlowCreate(&flow));
+  PetscCall(IsphFlowSetUp(flow));
+  PetscCall(IsphFlowView(flow, out));
+  failed = IsphFlowRun(flow, PETSC_INFINITY);
+  PetscCall(IsphFlowReport(flow, out));
+  PetscCall(failed);
+  PetscCall(IsphFlowDestroy(&flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,7 +73,6 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   PetscCall(ErrorsInstall(errors));
   PetscCall(OptionGiven("-catalogue", &catalogue));
   PetscCall(OptionGiven("-help", &help));
-  PetscCall(OptionsCheckSolvers());
   if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
   else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP, NULL);
   else PetscCall(Solve());

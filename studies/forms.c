@@ -1,8 +1,9 @@
 /*
-  Forms for comparison, as a shared object for -forms_library: the cubic fit beside quadratic ones,
+  Forms for comparison, as a shared object for -library: the cubic fit beside quadratic ones,
   the corrected kernel under the name of its paper, second derivatives of the kernel with
   differences of velocities, and two Laplacians that correct the errors of disordered particles.
 */
+#include "isph/plugin.h"
 #include "rows/rows.h"
 
 /*
@@ -206,4 +207,5 @@ static const LaplacianRow laplacians[] = {
      ADAPTED, 0, LaplacianRow_Lsph, NULL, 0.0, NULL, PETSC_FALSE},
 };
 
-const FormsLibrary IsphForms = {FORMS_BUILD, .laplacians = TABLE("Laplacians", laplacians)};
+static const PluginRows rows[]     = {{&LaplacianTable, TABLE("Laplacians", laplacians)}};
+const Plugin            IsphPlugin = PLUGIN(rows);

@@ -27,7 +27,7 @@ MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 def own_forms(isph, arguments):
     """Returns the options that a run with a form of studies/forms.c needs besides; the build of isph has the object."""
     path = os.path.join(os.path.dirname(os.path.abspath(isph)), "studies", "forms.so")
-    return ["-forms_library", path] if re.search(OWN, arguments) else []
+    return ["-library", path] if re.search(OWN, arguments) else []
 
 
 def cpu_seconds():

@@ -14,7 +14,7 @@ import sys
 import time
 
 SAID = r"not \w+:|\w+ not kept:|\w+ [^,]+, should be at most"  # warnings in the report of a run
-READ = ("-options_file", "-particles", "-restart", "-forms_library")  # options that name files to read
+READ = ("-options_file", "-particles", "-restart", "-library")  # options that name files to read
 WRITTEN = {"-report": "report.csv", "-output": "flow.h5", "-checkpoint": "checkpoint.h5", "-probe_output": "probe"}
 EITHER = {"-viscosity": "-reynolds", "-reynolds": "-viscosity"}  # a varied option replaces the other one
 PSEUDO = ("-ranks", "-isph", "-start")  # settings of a run that are no options of isph

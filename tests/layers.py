@@ -16,7 +16,7 @@ from pathlib import Path
 # Folders of src/ from bottom to top, and cases/; "top" is src/ itself.
 LAYERS = """base options quantities geometry mesh scene particles fits surface rows walls strain operators time flow forces balance solvers splines
 motion start schemes/surface schemes/stages schemes/diffusion schemes/scalars schemes/projection schemes/coupled schemes/wcsph schemes io measures
-cases run patch top""".split()
+cases run patch library top""".split()
 RANK = {folder: k for k, folder in enumerate(LAYERS)}
 
 # Files that call each other: the parts of one object, which stand in one folder.
@@ -27,7 +27,7 @@ CIRCLES = {
         splinewindow""".split(),
 }
 # Headers of isph/ that are not named by their folder.
-HEADERS = {"petsc": "base", "regime": "scene", "catalogue": "top"}
+HEADERS = {"petsc": "base", "regime": "scene", "catalogue": "library", "plugin": "library"}
 MOST_FILES = 18  # of a folder, headers included
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs forms of shared objects: the example of docs/howto/own-laplacian.md, built here, and those of studies/forms.c.
+"""Runs plug-ins: the examples of docs/howto/own-*.md, built here, and the forms of studies/forms.c.
 
     library.py SOURCE FORMS COMPILER ISPH
 
@@ -41,26 +41,49 @@ def refused(sentence, *words):
     assert done.returncode and len(lines) == 1 and re.search(sentence, lines[0]), (words, done.stderr)
 
 
-with open(f"{source}/docs/howto/own-laplacian.md") as file:
-    example = re.search(r"```c\n(/\* mps.c.*?)```", file.read(), re.DOTALL).group(1)
-build("mps", example)
-build("old", example.replace("FORMS_BUILD", "FORMS_VERSION, sizeof(Stencil) + 8, sizeof(LaplacianRow), "
-                             "sizeof(GradientRow)"))
+def example(page):
+    """Returns the code in C of a how-to."""
+    with open(f"{source}/docs/howto/{page}.md") as file:
+        return re.search(r"```c\n(.*?)```", file.read(), re.DOTALL).group(1)
+
+
+build("mps", example("own-laplacian"))
+build("shear_wave", example("own-case"))
+build("mine", example("own-rows"))
+build("old", example("own-laplacian").replace("= PLUGIN(rows)", '= {ISPH_VERSION, {8, 8, 8}, rows, 1}'))
+build("twice", example("own-rows").replace('"powell_eyring"', '"carreau"'))
 build("none", "int nothing;\n")
 
 patch = ["-options_file", f"{source}/options/patch.opts", "-n", "20", "-patch_field", "quadratic"]
-error = run(*patch, "-jitter", "0", "-forms_library", "mps.so", "-visc_laplacian", "mps")["laplacian_linf"]
+error = run(*patch, "-jitter", "0", "-library", "mps.so", "-visc_laplacian", "mps")["laplacian_linf"]
 assert error < 1e-9, error
 for form, field in ("fatehi_manzari", "quadratic"), ("lsph", "linear"):
-    error = run(*patch[:-1], field, "-jitter", "0.5", "-forms_library", forms, "-visc_laplacian", form)["laplacian_linf"]
+    error = run(*patch[:-1], field, "-jitter", "0.5", "-library", forms, "-visc_laplacian", form)["laplacian_linf"]
     assert error < 1e-9, (form, error)
 default = run(*CAVITY)["kinetic_energy"]
-for flow in (["-forms_library", "mps.so", "-visc_laplacian", "mps"],
-             ["-forms_library", forms, "-visc_laplacian", "mls3", "-ppe_laplacian", "mls3"]):
+for flow in (["-library", "mps.so", "-visc_laplacian", "mps"],
+             ["-library", forms, "-visc_laplacian", "mls3", "-ppe_laplacian", "mls3"]):
     energy = run(*CAVITY, *flow)["kinetic_energy"]
     assert abs(energy - default) < 0.1 * default, (flow, energy, default)
 
-refused("-forms_library old.so: it was built for another isph", "-forms_library", "old.so")
-refused("-forms_library none.so: it has no symbol IsphForms", "-forms_library", "none.so")
-refused("-forms_library mps.c: no shared object", "-forms_library", "mps.c")
-refused("-visc_laplacian mpz: no such name", "-forms_library", "mps.so", "-visc_laplacian", "mpz")
+refused("-library old.so: it was built for another isph", "-library", "old.so")
+refused("-library none.so: it has no symbol IsphPlugin", "-library", "none.so")
+refused("-library mps.c: no shared object", "-library", "mps.c")
+refused("there is a row carreau among the Rheologies already", "-library", "twice.so")
+
+# Plug-ins together: a case, and a fluid without shear thinning, which is Newtonian; a piston at rest is a body at rest.
+error = run("-library", "shear_wave.so,mine.so", "-case", "shear_wave", "-n", "20")["velocity_l2"]
+assert error < 0.02, error
+law = "-dt 0.02 -rheology_viscosity_min 5e-3 -rheology_viscosity_max 0.02 -rheology_time 1e-9 -rheology".split()
+energy = [run(*CAVITY, *words)["kinetic_energy"] for words in (["-library", "mine.so", *law, "powell_eyring"],
+                                                               [*law, "carreau", "-rheology_exponent", "1"])]
+assert abs(energy[0] - energy[1]) < 1e-6 * energy[1], energy
+scene = ["-case", "scene", "-n", "20", "-t_end", "0.1", "-scene_body_1", "circle,0.4,0.5,0.1"]
+moved = [run(*scene, *words)["kinetic_energy"]
+         for words in (["-library", "mine.so", "-scene_body_1_position", "0.2 + crank(0.1, 0.1, t), 0.5"],
+                       ["-scene_body_1_position", "0.2 + 0.2*cos(t), 0.5"])]
+assert moved[0] > 0.0 and abs(moved[0] - moved[1]) < 1e-9 * moved[1], moved
+listed = subprocess.run([isph, "-library", "mine.so", "-catalogue"], capture_output=True, text=True, check=True).stdout
+assert "powell_eyring" in listed and "crank" in listed
+
+refused("-visc_laplacian mpz: no such name", "-library", "mps.so", "-visc_laplacian", "mpz")

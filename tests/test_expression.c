@@ -14,7 +14,7 @@ static ExpressionScope *Scope(PetscInt dim)
 {
   ExpressionScope *scope = NULL;
 
-  assert_int_equal(ExpressionScopeCreate(dim, &scope), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeCreate(dim, NULL, &scope), PETSC_SUCCESS);
   assert_int_equal(ExpressionScopeDefine(scope, "nu", 0.25), PETSC_SUCCESS);
   return scope;
 }

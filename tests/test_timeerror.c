@@ -190,7 +190,7 @@ static PetscReal Period(const char text[])
   PetscReal        period;
 
   s.scene.length = 1.0;
-  ASSERT_OK(ExpressionScopeCreate(2, &scope));
+  ASSERT_OK(ExpressionScopeCreate(2, NULL, &scope));
   ASSERT_OK(ExpressionSet(scope, "-body_force", text, 2, 2, EXPRESSION_PLACE | EXPRESSION_TIME,
                           &s.scene.force));
   period = SceneDrivingPeriod(&s.scene, 0.3, 1.0, 1e-6);

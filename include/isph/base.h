@@ -55,6 +55,8 @@ typedef struct {
     title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                             \
   }
 
+PetscErrorCode  TableExtend(const Table *table, const Table *rows);
+PetscInt        TableCount(const Table *table);
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
@@ -75,8 +77,19 @@ void            AppendWord(char list[], size_t size, const char word[]);
    program that the signal ends in a shell. */
 #define ERROR_INTERRUPTED(signal) ((PetscErrorCode)(128 + (signal)))
 
+/* An error as it was found, for a handler that deals with it later. */
+typedef struct {
+  MPI_Comm    comm;
+  int         line;
+  const char *function, *file; /* NULL: there was none */
+  const char *hint;            /* the end of the message */
+  char        message[1024];
+} KeptError;
+
 /* State of the error handler for ErrorsExit(). */
 typedef struct {
+  PetscBool keeps; /* ErrorsKeep(): messages of errors of the user are not printed */
+  KeptError kept;
   PetscBool of_one_rank; /* a single rank met an error that all ranks normally detect together */
   PetscBool of_solver;   /* PETSc failed with a solver that the user chose */
 } ErrorState;
@@ -85,6 +98,8 @@ extern const char *const SolverPrefixes[]; /* of options of PETSc's solvers; end
 
 PetscErrorCode ErrorsInstall(ErrorState *state);
 void           ErrorPrint(const char message[], const char hint[]);
+PetscErrorCode ErrorsKeep(ErrorState *state);
+PetscErrorCode ErrorsRelease(PetscErrorCode code, const ErrorState *state);
 int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);

@@ -5,8 +5,12 @@
 
 #include "isph/scene.h"
 
+#define NAVIER_STOKES (PHYSICS_VISCOSITY | PHYSICS_PRESSURE | PHYSICS_CONVECTION)
+
 extern const Table       CaseTable;
 extern const OptionRow   CaseOption; /* -case, for SceneCreate() */
 extern const OptionTable CaseOptions;
+
+PetscErrorCode MeasureExact(const Flow *flow, Report *report); /* for cases with Exact() */
 
 #endif

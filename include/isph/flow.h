@@ -336,6 +336,7 @@ typedef struct {
   void             *data;
 } Scheme;
 
+PetscErrorCode LogStageGet(const char name[], PetscLogStage *stage);
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
 PetscErrorCode SchemeChooseStep(Flow *flow);
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);

@@ -107,6 +107,7 @@ typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
 PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+PetscErrorCode           SnapshotSave(const Flow *flow, const char path[]);
 unsigned                 SnapshotsNeeds(const Snapshots *snapshots);
 PetscReal                SnapshotsInterval(const Snapshots *snapshots);
 PetscInt                 SnapshotsCount(const Snapshots *snapshots);

@@ -84,7 +84,7 @@ typedef struct {
     title, NULL, pointers, (PetscInt)(sizeof(pointers) / sizeof((pointers)[0]))                    \
   }
 
-/* All tables of options, which the program hands in: src/catalogue.c. */
+/* All tables of options, which the program hands in: src/library/catalogue.c. */
 void               OptionsKnow(const OptionTable *const tables[]);
 PetscBool          OptionsAreKnown(void);
 const OptionTable *OptionTableGet(PetscInt k);
@@ -128,6 +128,9 @@ typedef enum {
 extern const OptionTable ProgramOptions;
 
 Request     CommandLineRequest(int *argc, char **argv, const char **word);
+void        OptionsCheckWords(const char source[], int n, char *const word[], char sentence[],
+                              size_t length);
+PetscBool   OptionNamesFile(const char option[]);
 void        OptionsCheck(int argc, char **argv, char sentence[], size_t length);
 void        UsagePrint(FILE *out);
 void        HelpPrint(FILE *out);
@@ -155,6 +158,14 @@ typedef void (*FieldsAt)(void *ctx, PetscReal t, const PetscReal x[], PetscReal 
    fault. */
 typedef struct ExpressionScope ExpressionScope;
 
+/* A function that expressions may call by its name, with any number of arguments. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscReal (*Value)(PetscInt n, const PetscReal argument[], void *ctx);
+  void *ctx; /* of it */
+} FunctionRow;
+extern const Table FunctionTable; /* of plug-ins */
+
 #define EXPRESSION_MOST (ISPH_MAX_DIM + 1) /* components: velocity and pressure */
 
 /* A function of time through given values, see TimeCurveSet(). */
@@ -178,7 +189,7 @@ typedef struct {
   ExpressionScope *scope;
 } Expression;
 
-PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope);
+PetscErrorCode ExpressionScopeCreate(PetscInt dim, const Table *functions, ExpressionScope **scope);
 PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value);
 PetscErrorCode ExpressionScopeField(ExpressionScope *scope, const char name[]);
 PetscBool      ExpressionScopeKnows(const ExpressionScope *scope, const char name[]);

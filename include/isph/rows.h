@@ -124,19 +124,6 @@ typedef struct {
   PetscErrorCode (*DivergenceFit)(Stencil *stencil, PetscReal *d[], PetscReal m[]); /* or NULL */
 } GradientRow;
 
-/*
-  Rows of a shared object, -forms_library, under the symbol FORMS_SYMBOL:
-
-    const FormsLibrary IsphForms = {FORMS_BUILD, .laplacians = TABLE("own Laplacians", laplacians)};
-*/
-typedef struct {
-  PetscInt version;                      /* FORMS_VERSION */
-  size_t   stencil, laplacian, gradient; /* bytes of the structs that it was built for */
-  Table    laplacians, gradients;        /* of LaplacianRow and GradientRow; empty: none */
-} FormsLibrary;
-#define FORMS_VERSION 1 /* of the meaning of the structs */
-#define FORMS_SYMBOL  "IsphForms"
-#define FORMS_BUILD   FORMS_VERSION, sizeof(Stencil), sizeof(LaplacianRow), sizeof(GradientRow)
 extern const Table GradientTable;
 
 void      MomentWeights(const Stencil *stencil, PetscBool walls, PetscReal weight[]);
@@ -240,7 +227,6 @@ typedef enum {
 typedef struct {
   const KernelRow     *kernel;
   LaplacianForm        visc, ppe;
-  const FormsLibrary  *library;    /* rows of -forms_library; NULL: none */
   const CorrectionRow *correction; /* as typed; forms that do not accept it have none */
   const GradientRow   *gradient;
   const WallRow       *wall;               /* NULL: no walls */

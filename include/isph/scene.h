@@ -173,7 +173,8 @@ typedef struct {
   unsigned    takes, wants; /* RHEOLOGY_BIT()s; `wants` have no default */
   /* NULL: Newtonian [m^2/s] */
   PetscReal (*Nu)(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
-  PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the ideal fluid [1/s] */
+  PetscReal (*Rate)(const Rheology *rheology,
+                    PetscReal       stress); /* see RheologyRate(); NULL: by bisection [1/s] */
 } RheologyRow;
 extern const Table RheologyTable;
 struct Rheology {
@@ -247,6 +248,7 @@ struct Scene {
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
   PetscReal        motion_end; /* last time of motions from files; 0: there are none [s] */
   PetscReal        surplus;    /* part of the flow through inflows that enters and must not [-] */
+  const Table     *functions;  /* of FunctionRow, for expressions; NULL: none */
   ExpressionScope *scope;      /* of the expressions below; NULL: all are numbers */
   Expression       velocity;   /* typed: at the start, function of place [m/s] */
   Expression       exact;      /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
@@ -341,7 +343,7 @@ PetscInt       SideSamples(const Scene *scene, PetscInt side);
 PetscReal      SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[]);
 PetscReal      SideEntering(PetscInt side, const PetscReal u[]);
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
-PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene);
+PetscErrorCode SceneCreate(const OptionRow *cases, const Table *functions, Scene **scene);
 PetscErrorCode SceneFreeShapes(Scene *scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 const char    *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT]);
@@ -420,6 +422,7 @@ PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscErrorCode SceneTypeRheology(Scene *scene);
 FluidPlace     RheologyAt(const Scene *scene, PetscReal *const x[], PetscInt k);
 PetscReal      RheologyViscosity(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
+PetscReal      RheologyRate(const Rheology *rheology, PetscReal stress);
 PetscReal      RheologySlope(const Rheology *rheology, const FluidPlace *at, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);
 PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);

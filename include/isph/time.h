@@ -103,6 +103,7 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times that steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
+  PetscReal until;        /* a step ends there, if it is later than t [s] */
   PetscReal land_every;   /* steps end at its multiples; 0: no such interval [s] */
   PetscBool steady;       /* steady_tol was met, or the steady solve is done */
   PetscBool steady_solve; /* no du/dt: a single step to t_end */

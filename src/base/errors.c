@@ -114,9 +114,14 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   }
   if (!ErrorIsUsers(code) && !state->of_solver && type == PETSC_ERROR_INITIAL)
     state->of_solver = ErrorIsOfChosenSolver(code, file);
+  if (type == PETSC_ERROR_INITIAL && state->keeps) {
+    state->kept = (KeptError){comm, line, function, file, ErrorHint(code, state->of_solver), ""};
+    TextAppend(state->kept.message, sizeof(state->kept.message), message);
+  }
   if (!ErrorIsUsers(code) && !state->of_solver) {
     return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, ctx);
   }
+  if (state->keeps) return code;
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
     if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* ends the progress line */
@@ -139,6 +144,34 @@ PetscErrorCode ErrorsInstall(ErrorState *state)
   (void)signal(SIGQUIT, SIG_DFL);
   (void)signal(SIGXFSZ, SIG_IGN); /* a write beyond a limit on the size of files fails instead */
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ErrorsKeep - Installs an error handler that keeps the message of an error of the user, and prints
+  defects of the program only
+
+  Not collective. Every call needs one of ErrorsRelease(). Output: state - must exist until then.
+*/
+PetscErrorCode ErrorsKeep(ErrorState *state)
+{
+  PetscFunctionBegin;
+  *state = (ErrorState){.keeps = PETSC_TRUE};
+  PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ErrorsRelease - Removes the handler of ErrorsKeep(), and hands an error on to the handler that
+   was there before, as if it were there in the beginning; returns its code; not collective */
+PetscErrorCode ErrorsRelease(PetscErrorCode code, const ErrorState *state)
+{
+  const KeptError *kept = &state->kept;
+
+  (void)PetscPopErrorHandler();
+  if (!code || !kept->file) return code;
+  return PetscError(kept->comm, kept->line, kept->function, kept->file, code,
+                    ErrorIsUsers(code) || state->of_solver ? PETSC_ERROR_INITIAL
+                                                           : PETSC_ERROR_REPEAT,
+                    "%s", kept->message);
 }
 
 /*

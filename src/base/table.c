@@ -6,10 +6,50 @@
 #include <stdio.h>
 #include <string.h>
 
-/* TableGet - Returns the name, the brief and the citation of row k, with which every row begins.
-   Input: k - at least 0, less than table->count. */
+#define EXTENSIONS 64 /* most tables of plug-ins */
+
+/* Rows of plug-ins, which all runs of the process have: as their code, they stay to its end. */
+static struct {
+  const Table *table, *rows;
+} extension[EXTENSIONS];
+
+/* TableExtend - Adds rows to a table, once; they must exist to the end of the process */
+PetscErrorCode TableExtend(const Table *table, const Table *rows)
+{
+  PetscInt k = 0;
+
+  PetscFunctionBegin;
+  while (k < EXTENSIONS && extension[k].rows && extension[k].rows != rows) k++;
+  PetscCheck(k < EXTENSIONS, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT,
+             "-library: at most %d tables of rows are allowed", EXTENSIONS);
+  extension[k].table = table;
+  extension[k].rows  = rows;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* TableCount - Returns the number of rows of a table, plug-ins included */
+PetscInt TableCount(const Table *table)
+{
+  PetscInt n = table->count;
+
+  for (PetscInt e = 0; e < EXTENSIONS && extension[e].rows; e++)
+    if (extension[e].table == table) n += extension[e].rows->count;
+  return n;
+}
+
+/*
+  TableGet - Returns the name, the brief and the citation of row k, with which every row begins
+
+  Not collective. Input: k - at least 0, less than TableCount().
+*/
 const TableRow *TableGet(const Table *table, PetscInt k)
 {
+  for (PetscInt e = 0; k >= table->count && e < EXTENSIONS; e++) {
+    if (extension[e].table != table) continue;
+    if (k - table->count < extension[e].rows->count)
+      return TableGet(extension[e].rows, k - table->count);
+    k -= extension[e].rows->count;
+  }
   if (!table->row_size) return ((const TableRow *const *)table->rows)[k];
   return (const TableRow *)(const void *)((const char *)table->rows + (size_t)k * table->row_size);
 }
@@ -20,7 +60,7 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
 {
   PetscFunctionBegin;
   *row = NULL;
-  for (PetscInt k = 0; k < table->count; k++) {
+  for (PetscInt k = 0; k < TableCount(table); k++) {
     PetscBool same;
 
     PetscCall(PetscStrcasecmp(TableGet(table, k)->name, name, &same));
@@ -55,7 +95,7 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 
   PetscFunctionBegin;
   PetscCall(TableFind(table, name, &found));
-  for (PetscInt k = 0; k < table->count; k++)
+  for (PetscInt k = 0; k < TableCount(table); k++)
     AppendWord(names, sizeof(names), TableGet(table, k)->name);
   UserCheck(name[0], "%s: a name is required; choose one of %s", option, names);
   UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
@@ -72,7 +112,7 @@ PetscErrorCode TableView(const Table *table, const char options[], PetscViewer v
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n%s (%s)\n", table->title, options));
-  for (PetscInt k = 0; k < table->count; k++) {
+  for (PetscInt k = 0; k < TableCount(table); k++) {
     const TableRow *row = TableGet(table, k);
 
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", row->name, row->brief));

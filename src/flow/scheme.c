@@ -13,6 +13,15 @@ PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* LogStageGet - Registers a stage of -log_view, once in a process; collective */
+PetscErrorCode LogStageGet(const char name[], PetscLogStage *stage)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogStageGetId(name, stage));
+  if (*stage < 0) PetscCall(PetscLogStageRegister(name, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SchemeChooseStep - Sets dt to the usual length of steps, on which choices of solvers and the
    banner depend; collective. First steps can be shorter, see ClockShortening(). */
 PetscErrorCode SchemeChooseStep(Flow *flow)

@@ -5,6 +5,7 @@
 */
 #include "snapshot.h"
 #include "isph/options.h"
+#include <string.h>
 #include <unistd.h>
 
 enum { OUTPUT, OUTPUT_EVERY, SCENE_VIEW };
@@ -176,19 +177,16 @@ static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the next snapshot, and then the index. */
-static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
+/* Writes a file. Output: N - particles in it. */
+static PetscErrorCode SnapshotWriteFile(const Flow *flow, const Snapshots *s, const char path[],
+                                        PetscInt *N)
 {
-  const PetscInt number = s->n ? s->done[s->n - 1].number + 1 : 0;
-  char           path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
-  Hdf5File       file;
-  PetscMPIInt    rank;
-  PetscBool      good;
+  char      part[PETSC_MAX_PATH_LEN];
+  Hdf5File  file;
+  PetscBool good;
 
   PetscFunctionBegin;
   PetscCall(FlowPrepareOutput(flow));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(SnapshotPath(s, number, path));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
   PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, part, HDF5_COMMON, &file));
@@ -199,7 +197,39 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   }
   PetscCall(Hdf5FileFinish(&file, part, path, &good));
   PetscCall(SnapshotsVerdict(s, path, good));
+  *N = file.N;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
+/* SnapshotSave - Writes a snapshot to a file of its own, path.h5; collective */
+PetscErrorCode SnapshotSave(const Flow *flow, const char path[])
+{
+  Snapshots s;
+  PetscBool h5;
+  PetscInt  N;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(s.base, path, sizeof(s.base)));
+  PetscCall(PetscStrendswith(path, ".h5", &h5));
+  UserCheck(h5, "%s: the name of a snapshot must end in .h5", path);
+  s.base[strlen(s.base) - 3] = '\0';
+  PetscCall(SnapshotWriteFile(flow, &s, path, &N));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the next snapshot, and then the index. */
+static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
+{
+  const PetscInt number = s->n ? s->done[s->n - 1].number + 1 : 0;
+  char           path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+  PetscInt       N;
+  PetscMPIInt    rank;
+  PetscBool      good = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(SnapshotPath(s, number, path));
+  PetscCall(SnapshotWriteFile(flow, s, path, &N));
   if (s->n == s->capacity) {
     s->capacity = 2 * s->capacity + 16;
     PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)s->capacity, &s->done));
@@ -211,7 +241,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCall(SnapshotsVerdict(s, part, good));
   s->done[s->n].number = number;
   s->done[s->n].t      = flow->clock->t;
-  s->done[s->n].N      = file.N;
+  s->done[s->n].N      = N;
   s->n++;
   s->step = flow->clock->step;
   if (rank == 0) {

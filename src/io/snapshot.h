@@ -35,6 +35,8 @@ typedef struct {
 PetscErrorCode SnapshotFieldsCheck(const Scene *scene);
 PetscBool      SnapshotNext(const Flow *flow, PetscInt *k, SnapshotField *field);
 PetscInt       SnapshotColumns(const Flow *flow, const SnapshotField *field);
+PetscErrorCode SnapshotGather(const Flow *flow, const SnapshotField *field, PetscBool first,
+                              double rows[]);
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file);
 size_t         SnapshotBytes(const Flow *flow);
 

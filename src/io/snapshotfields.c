@@ -285,6 +285,23 @@ static void RowsOutOfFrame(const Flow *flow, PetscBool places, const SnapshotFie
   }
 }
 
+/* SnapshotGather - Computes the rows of a field, of ints with a label, of long longs with ids and
+   else of doubles, no longer than those; collective. Input: first - it is the position. */
+PetscErrorCode SnapshotGather(const Flow *flow, const SnapshotField *field, PetscBool first,
+                              double rows[])
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; field->Label && i < ParticlesOwn(p); i++)
+    ((int *)rows)[i] = field->Label(flow, i);
+  if (field->Fluid) GatherFluid(p, 1.0, field->Fluid(flow), rows);
+  if (field->values) GatherFluid(p, 1.0, field->values, rows);
+  if (field->Gather) PetscCall(field->Gather(flow, rows));
+  RowsOutOfFrame(flow, first, field, rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SnapshotFieldsWrite - Writes all fields; the fluid of a rank precedes its walls and the fluid of
    the next rank; collective */
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
@@ -308,12 +325,7 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
       stored = H5T_STD_I64LE;
       given  = H5T_NATIVE_LLONG;
     }
-    for (PetscInt i = 0; field.Label && i < ParticlesOwn(p); i++)
-      ((int *)rows)[i] = field.Label(flow, i);
-    if (field.Fluid) GatherFluid(p, 1.0, field.Fluid(flow), rows);
-    if (field.values) GatherFluid(p, 1.0, field.values, rows);
-    if (field.Gather) PetscCall(field.Gather(flow, rows));
-    RowsOutOfFrame(flow, k == 1 ? PETSC_TRUE : PETSC_FALSE, &field, rows);
+    PetscCall(SnapshotGather(flow, &field, k == 1 ? PETSC_TRUE : PETSC_FALSE, rows));
     PetscCall(Hdf5WriteRows(file, field.name, SnapshotColumns(flow, &field), stored, given, rows,
                             field.units));
   }

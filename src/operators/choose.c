@@ -17,8 +17,7 @@ enum {
   PPE_LAPLACIAN,
   GRADIENT,
   WALL,
-  WALL_SURFACE,
-  LIBRARY
+  WALL_SURFACE
 };
 static const OptionRow options[] = {
     [KERNEL] =
@@ -129,14 +128,6 @@ static const OptionRow options[] = {
             .standard = "true with bodies, if -wall has particles behind walls",
             .where    = "flows with walls",
         },
-    [LIBRARY] =
-        {
-            .name   = "-forms_library",
-            .expert = PETSC_TRUE,
-            .kind   = VALUE_FILE,
-            .file   = FILE_READ,
-            .brief  = "shared object with own rows for -visc_laplacian, -ppe_laplacian, -gradient",
-        },
 };
 const OptionTable OperatorOptions = OPTIONS("Operators", options);
 
@@ -144,10 +135,9 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
                                       const OperatorForms *forms, LaplacianForm *form)
 {
   const CorrectionRow *correction = forms->correction;
-  const Table         *own        = forms->library ? &forms->library->laplacians : NULL;
 
   PetscFunctionBegin;
-  PetscCall(FormsLibraryRow(option, own, standard, &form->row));
+  PetscCall(OptionGetRow(option, standard, &form->row));
   if (form->row->corrections & correction->bit) form->correction = correction;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -408,7 +398,6 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   PetscFunctionBegin;
   RegimeSetFact(regime, FACT_WCSPH, needs & NEED_STREAMS ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(regime, FACT_SHIFTS, needs & NEED_CORRECTION ? PETSC_TRUE : PETSC_FALSE);
-  PetscCall(FormsLibraryOpen(&options[LIBRARY], &forms->library));
   PetscCall(OptionGetRow(&options[KERNEL], NULL, &forms->kernel));
   PetscCall(ChooseLaplacians(scene, needs, forms));
   PetscCall(OperatorsDegree(scene, &forms->degree));
@@ -416,9 +405,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   h_over_dx = RegimeValue(regime, REGIME_KERNEL);
   PetscCall(OptionGetReal(&options[H_OVER_DX], &h_over_dx, NULL));
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
-    PetscCall(FormsLibraryRow(&options[GRADIENT],
-                              forms->library ? &forms->library->gradients : NULL, NULL,
-                              &forms->gradient));
+    PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, needs, forms));
   forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);

@@ -6,9 +6,4 @@
 
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms);
 
-/* library.c */
-PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library);
-PetscErrorCode FormsLibraryRow(const OptionRow *option, const Table *own, const char standard[],
-                               void *chosen);
-
 #endif

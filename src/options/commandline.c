@@ -106,8 +106,9 @@ Request CommandLineRequest(int *argc, char **argv, const char **word)
   return request;
 }
 
-/* Checks words as PETSc reads them: an option, its value if there is one, and so on. */
-static void CheckWords(const char source[], int n, char *const word[], char sentence[],
+/* OptionsCheckWords - Checks words as PETSc reads them: an option, its value if there is one, and
+   so on; not collective. Output: sentence - the first mistake; unchanged if there is none */
+void OptionsCheckWords(const char source[], int n, char *const word[], char sentence[],
                        size_t length)
 {
   OptionsPlace place = {.depth = 0};
@@ -140,7 +141,7 @@ static void CheckEnvironment(char sentence[], size_t length)
   text = rest = strdup(given);
   word        = calloc(strlen(given) + 1, sizeof(*word));
   while (text && word && (word[n] = OptionsNextWord(&rest))) n++;
-  CheckWords("PETSC_OPTIONS: ", n, word, sentence, length);
+  OptionsCheckWords("PETSC_OPTIONS: ", n, word, sentence, length);
   free(word);
   free(text);
 }
@@ -175,5 +176,5 @@ void OptionsCheck(int argc, char **argv, char sentence[], size_t length)
   if (!sentence[0]) CheckEnvironment(sentence, length);
   if (!sentence[0] && getenv("PETSC_OPTIONS_YAML"))
     (void)snprintf(sentence, length, "PETSC_OPTIONS_YAML: " OPTIONS_NO_YAML);
-  if (!sentence[0]) CheckWords("", argc - 1, argv + 1, sentence, length);
+  if (!sentence[0]) OptionsCheckWords("", argc - 1, argv + 1, sentence, length);
 }

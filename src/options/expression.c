@@ -39,8 +39,11 @@ static const struct {
     {"|~", Or, 1},
 };
 
+const Table FunctionTable = {.title = "Functions", .row_size = sizeof(FunctionRow)};
+
 struct ExpressionScope {
   PetscInt         dim;
+  const Table     *functions; /* besides FunctionTable; NULL: none */
   PetscInt         n_constants, n_parsers;
   char             name[SCOPE_CONSTANTS][16];
   PetscReal        constant[SCOPE_CONSTANTS];
@@ -55,12 +58,14 @@ struct ExpressionScope {
 };
 
 /* ExpressionScopeCreate - Creates a scope with the constant pi. Define other constants before the
-   first expression is set. Input: dim - number of coordinates. */
-PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
+   first expression is set. Input: dim - number of coordinates; functions - rows of FunctionRow,
+   which must exist as long as the scope; NULL: none. */
+PetscErrorCode ExpressionScopeCreate(PetscInt dim, const Table *functions, ExpressionScope **scope)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(scope));
-  (*scope)->dim = dim;
+  (*scope)->dim       = dim;
+  (*scope)->functions = functions;
   PetscCall(ExpressionScopeDefine(*scope, "pi", PETSC_PI));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -168,6 +173,23 @@ static void RestoreOperators(char text[])
   }
 }
 
+static muFloat_t CallFunction(void *row, const muFloat_t *argument, muInt_t n)
+{
+  const FunctionRow *f = (const FunctionRow *)row;
+
+  return f->Value((PetscInt)n, argument, f->ctx);
+}
+
+/* Gives a parser the functions of a table. Their values are not taken for constant. */
+static void DefineFunctions(const Table *table, muParserHandle_t parser)
+{
+  for (PetscInt k = 0; table && k < TableCount(table); k++) {
+    void *row = (void *)(uintptr_t)TableGet(table, k);
+
+    mupDefineMultFunUserData(parser, TableGet(table, k)->name, CallFunction, row, PETSC_FALSE);
+  }
+}
+
 /* Creates a parser with the constants of the scope and the allowed variables. */
 static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
                                    muParserHandle_t *parser)
@@ -187,6 +209,8 @@ static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(operators); k++)
     mupDefineOprt(*parser, operators[k].name, operators[k].Function, operators[k].precedence,
                   muOPRT_ASCT_LEFT, PETSC_TRUE);
+  DefineFunctions(&FunctionTable, *parser);
+  DefineFunctions(scope->functions, *parser);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -52,7 +52,7 @@ static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
   char names[TEXT_LENGTH] = "";
 
   OptionRangeText(row, text, TEXT_LENGTH);
-  for (PetscInt k = 0; row->kind == VALUE_NAME && k < row->table->count; k++)
+  for (PetscInt k = 0; row->kind == VALUE_NAME && k < TableCount(row->table); k++)
     AppendWord(names, sizeof(names), TableGet(row->table, k)->name);
   for (PetscInt k = 0; row->words && row->words[k]; k++)
     AppendWord(names, sizeof(names), row->words[k]);

@@ -12,7 +12,6 @@ typedef struct {
 #define OPTIONS_NO_YAML "YAML is not read; write each option with its value in a line, as -n 16"
 
 PetscBool OptionBegins(const char word[]);
-PetscBool OptionNamesFile(const char option[]);
 void      OptionsPairCheck(const OptionsPlace *place, const char option[], const char value[],
                            char sentence[], size_t length);
 char     *OptionsNextWord(char **text);

@@ -221,6 +221,24 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* RunWriteCheckpoint - Writes a checkpoint, and begins an epoch unless the run ends; collective */
+PetscErrorCode RunWriteCheckpoint(Run *run, const char path[], PetscBool final)
+{
+  const PetscInt n = ParticlesOwn(run->flow.particles);
+  PetscReal     *record;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1((size_t)n * ParticlesRecordWidth(run->flow.particles), &record));
+  PetscCall(ParticlesPack(run->flow.particles, record));
+  PetscCall(WriteFile(run, record, path));
+  if (!final) {
+    PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
+    PetscCall(run->flow.scheme->row->Begin(&run->flow));
+  }
+  PetscCall(PetscFree(record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CheckpointsUpdate - Writes a checkpoint if one is due
 
@@ -235,23 +253,13 @@ PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
 {
   Checkpoints *c     = run->checkpoints;
   const Clock *clock = run->flow.clock;
-  PetscReal   *record;
-  PetscInt     n;
 
   PetscFunctionBegin;
   if (!c->path[0] || c->step == clock->step) PetscFunctionReturn(PETSC_SUCCESS);
   if (!final && (c->every == 0.0 || !ClockPasses(c->every, c->last, clock->t)))
     PetscFunctionReturn(PETSC_SUCCESS);
-  n = ParticlesOwn(run->flow.particles);
-  PetscCall(PetscMalloc1((size_t)n * ParticlesRecordWidth(run->flow.particles), &record));
-  PetscCall(ParticlesPack(run->flow.particles, record));
-  PetscCall(WriteFile(run, record, c->path));
+  PetscCall(RunWriteCheckpoint(run, c->path, final));
   c->last = clock->t;
   c->step = clock->step;
-  if (!final) {
-    PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
-    PetscCall(run->flow.scheme->row->Begin(&run->flow));
-  }
-  PetscCall(PetscFree(record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -57,7 +57,7 @@ static PetscErrorCode OutputPattern(const OutputName *row, char pattern[3 * PETS
 }
 
 /* Options of the files that a run reads; it may continue the checkpoint that it restarts from. */
-static const char *const inputs[] = {"-options_file", "-particles", "-forms_library", "-restart"};
+static const char *const inputs[] = {"-options_file", "-particles", "-library", "-restart"};
 
 /* A file that an option leads to, in its shortest form, or a pattern of such files. */
 typedef struct {

@@ -1,6 +1,6 @@
 /*
-  The run of a flow: creation of its parts, the time loop with the output between steps, and the
-  report at the end, which is also written after a failure.
+  The run of a flow: creation of its parts, a step with the output after it, and the report at the
+  end, which is also written after a failure.
 */
 #include "isph/start.h"
 #include "impl.h"
@@ -20,16 +20,7 @@ static PetscErrorCode RegisterStages(Run *run)
   PetscFunctionBegin;
   PetscCall(PetscLogIsActive(&logs));
   for (PetscInt k = 0; k < RUN_STAGES && logs; k++)
-    PetscCall(PetscLogStageRegister(names[k], &run->stage[k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Leaves the present stage of -log_view and enters another. */
-static PetscErrorCode RunEnter(const Run *run, RunStage stage)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscLogStagePop());
-  PetscCall(PetscLogStagePush(run->stage[stage]));
+    PetscCall(LogStageGet(names[k], &run->stage[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,13 +80,16 @@ static PetscErrorCode RunOpenFiles(Run *run)
 }
 
 /* RunCreate - Creates all parts of the run from the scene, each from parts that were created before
-   it; collective */
+   it, as options say; an option that nothing reads is refused; collective */
 PetscErrorCode RunCreate(Run *run)
 {
   FluidStart start;
   char       path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
+  PetscCall(PetscTime(&run->started));
+  PetscCall(RegisterStages(run));
+  PetscCall(PetscLogStagePush(run->stage[STAGE_SETUP]));
   PetscCall(RunCheckOutputs());
   PetscCall(StartRead(run->flow.scene, &start, path));
   PetscCall(RunChoose(run, start.N));
@@ -104,10 +98,11 @@ PetscErrorCode RunCreate(Run *run)
   PetscCall(RunOpenFiles(run));
   PetscCall(SchemeArrange(&run->flow));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
+  PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RunDestroy - Destroys all parts of the run; the scene remains; collective */
+/* RunDestroy - Destroys those parts of the run that exist; the scene remains; collective */
 PetscErrorCode RunDestroy(Run *run)
 {
   Flow *flow = &run->flow;
@@ -126,40 +121,19 @@ PetscErrorCode RunDestroy(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RunBegin - Prepares the flow at the start, or reads it from a checkpoint; collective */
-PetscErrorCode RunBegin(Run *run)
-{
-  PetscBool restarted;
-
-  PetscFunctionBegin;
-  PetscCall(CheckpointsRestart(run, &restarted));
-  if (restarted) {
-    PetscCall(MonitorsRestart(run->flow.clock->t, run->monitors));
-    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots)); /* of a new series */
-    PetscCall(MonitorsBegin(&run->flow, run->monitors));
-  } else {
-    PetscCall(run->flow.scheme->row->Begin(&run->flow));
-    if (run->flow.scheme->row->Start) PetscCall(run->flow.scheme->row->Start(&run->flow));
-    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots));
-    PetscCall(MonitorsWrite(&run->flow, run->monitors));
-  }
-  PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Checks if the run is over; prints the reason for an early end. */
-static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
+static PetscErrorCode RunIsOver(Run *run)
 {
   Clock           *clock  = run->flow.clock;
   const PetscReal *change = run->flow.scheme->stats.change;
 
   PetscFunctionBegin;
-  *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
-              ? PETSC_TRUE
-              : PETSC_FALSE;
+  run->over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
+                  ? PETSC_TRUE
+                  : PETSC_FALSE;
   if (clock->steady_tol > 0.0 && clock->step > 2 && change[0] < clock->steady_tol &&
       change[1] < clock->steady_tol && change[2] < clock->steady_tol) {
-    *over = clock->steady = PETSC_TRUE;
+    run->over = clock->steady = PETSC_TRUE;
     PetscCall(
         SayLine("steady at t = %.6g: u changes by %.1e, div u* by %.1e, p by %.1e, all below %.3g",
                 (double)clock->t, (double)change[0], (double)change[1], (double)change[2],
@@ -168,8 +142,9 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Measures the present flow: the quantities of its case, and the estimate of its error. */
-static PetscErrorCode RunMeasure(Run *run)
+/* RunMeasure - Measures the present flow: the quantities of its case, and the estimate of its
+   error; collective */
+PetscErrorCode RunMeasure(Run *run)
 {
   PetscFunctionBegin;
   run->report->t = run->flow.clock->t;
@@ -193,6 +168,29 @@ static PetscErrorCode RunMeasureDue(Run *run)
   }
   PetscCall(RunMeasure(run));
   clock->next_report++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* RunBegin - Prepares the flow at the start, or reads it from a checkpoint; collective */
+PetscErrorCode RunBegin(Run *run)
+{
+  PetscBool restarted;
+
+  PetscFunctionBegin;
+  PetscCall(CheckpointsRestart(run, &restarted));
+  if (restarted) {
+    PetscCall(MonitorsRestart(run->flow.clock->t, run->monitors));
+    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots)); /* of a new series */
+    PetscCall(MonitorsBegin(&run->flow, run->monitors));
+  } else {
+    PetscCall(run->flow.scheme->row->Begin(&run->flow));
+    if (run->flow.scheme->row->Start) PetscCall(run->flow.scheme->row->Start(&run->flow));
+    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots));
+    PetscCall(MonitorsWrite(&run->flow, run->monitors));
+  }
+  PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
+  PetscCall(RunIsOver(run));
+  if (!run->over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,22 +221,17 @@ static PetscErrorCode RefuseUnread(const Scheme *scheme, PetscBool *checked)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs the time loop. Output: signal - the signal that stopped it early, or 0. */
-static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
+/* RunStep - Makes a step, and writes what is due after it; collective */
+PetscErrorCode RunStep(Run *run)
 {
-  PetscBool checked = PETSC_FALSE, over;
-
   PetscFunctionBegin;
-  *signal = 0;
-  PetscCall(RunIsOver(run, &over));
-  if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
-  while (!over && !*signal) {
-    PetscCall(FlowMakeStep(&run->flow));
-    PetscCall(RefuseUnread(run->flow.scheme, &checked));
-    PetscCall(RunIsOver(run, &over));
-    PetscCall(InterruptCheck(signal));
-    PetscCall(RunBetweenSteps(run, over || *signal ? PETSC_TRUE : PETSC_FALSE));
-  }
+  PetscCall(PetscLogStagePush(run->stage[STAGE_STEPS]));
+  PetscCall(FlowMakeStep(&run->flow));
+  PetscCall(RefuseUnread(run->flow.scheme, &run->checked));
+  PetscCall(RunIsOver(run));
+  PetscCall(InterruptCheck(&run->signal));
+  PetscCall(RunBetweenSteps(run, run->over || run->signal ? PETSC_TRUE : PETSC_FALSE));
+  PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -287,81 +280,65 @@ static PetscErrorCode RunPrintFigures(const Scheme *scheme)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports errors and cost on the screen and in the CSV file. Input: status - ok, interrupted or
-  diverged; measured - false for a diverged flow, which is not measured.
-*/
-static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measured)
+/* Reports errors and cost. Input: status - ok, interrupted or diverged; measured - false for a
+   diverged flow, which is not measured; viewer - NULL: only the CSV file. */
+static PetscErrorCode ReportAll(Run *run, const char status[], PetscBool measured,
+                                PetscViewer viewer)
 {
   PetscLogDouble now;
 
   PetscFunctionBegin;
   run->report->t = run->flow.clock->t; /* of quantities of the run itself */
   if (measured) PetscCall(RunMeasure(run));
-  else PetscCall(BalancesOfFailed(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
+  else if (viewer) PetscCall(BalancesOfFailed(&run->flow, run->report, viewer));
   PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
   PetscCall(RunReportChoices(run));
   PetscCall(PetscTime(&now));
-  if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  if (measured) PetscCall(TrustView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
-  if (measured) PetscCall(SteadyView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
-  PetscCall(BalancesView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
-  PetscCall(RunPrintFigures(run->flow.scheme));
+  if (measured && viewer) {
+    PetscCall(ReportView(run->report, now - run->started, viewer));
+    PetscCall(TrustView(&run->flow, run->report, viewer));
+    PetscCall(SteadyView(&run->flow, viewer));
+  }
+  if (viewer) PetscCall(BalancesView(&run->flow, viewer));
+  if (viewer) PetscCall(RunPrintFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the banner with the usual step of this run. After a restart the clock has the last step of
-   the earlier run, which a report at this time still shows. */
-static PetscErrorCode RunShowBanner(Run *run)
+/* RunShowBanner - Prints the banner with the usual step of this run; collective. After a restart
+   the clock has the last step of the earlier run, which a report at this time still shows. */
+PetscErrorCode RunShowBanner(Run *run, PetscViewer viewer)
 {
   const PetscReal last = run->flow.clock->dt;
 
   PetscFunctionBegin;
   PetscCall(SchemeChooseStep(&run->flow));
-  PetscCall(BannerView(&run->flow, &run->memory, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(BannerView(&run->flow, &run->memory, viewer));
   run->flow.clock->dt = last;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the banner, runs the time loop, and reports. */
-static PetscErrorCode RunSolveAndReport(Run *run)
+/*
+  RunReport - Measures the flow at the end of a run and reports; checks the bounds of
+  -check_<quantity>
+
+  Collective. Input: failed - error of the last step, after which a diverged flow is reported and no
+  other; viewer - NULL: only the CSV file.
+*/
+PetscErrorCode RunReport(Run *run, PetscErrorCode failed, PetscViewer viewer)
 {
-  PetscMPIInt    signal;
-  PetscErrorCode failed;
+  const PetscMPIInt signal = run->signal;
 
   PetscFunctionBegin;
-  PetscCall(InterruptInstall());
-  PetscCall(RunBegin(run));
-  PetscCall(RunShowBanner(run));
-  PetscCall(RunEnter(run, STAGE_STEPS));
-  failed = RunSolve(run, &signal);
-  PetscCall(RunEnter(run, STAGE_OUTPUT));
-  if (failed && failed == run->flow.scheme->failure.code)
-    PetscCall(RunReport(run, "diverged", PETSC_FALSE));
-  PetscCall(failed);
-  PetscCall(RunReport(run, signal ? "interrupted" : "ok", PETSC_TRUE));
+  PetscCall(PetscLogStagePush(run->stage[STAGE_OUTPUT]));
+  if (!failed) PetscCall(ReportAll(run, signal ? "interrupted" : "ok", PETSC_TRUE, viewer));
+  else if (failed == run->flow.scheme->failure.code)
+    PetscCall(ReportAll(run, "diverged", PETSC_FALSE, viewer));
+  PetscCall(PetscLogStagePop());
+  if (failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(!signal, PETSC_COMM_WORLD, ERROR_INTERRUPTED(signal),
              "interrupted by %s at t = %.6g (step %" PetscInt_FMT "); all files are complete",
              InterruptName(signal), (double)run->flow.clock->t, run->flow.clock->step);
   PetscCall(ReportCheck(run->report));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FlowRun - Runs the flow of a scene; collective on PETSC_COMM_WORLD. See isph/run.h. */
-PetscErrorCode FlowRun(Scene *scene)
-{
-  Run       run = {.flow = {.scene = scene}};
-  PetscBool wants_help;
-
-  PetscFunctionBegin;
-  PetscCall(PetscTime(&run.started));
-  PetscCall(RegisterStages(&run));
-  PetscCall(PetscLogStagePush(run.stage[STAGE_SETUP]));
-  PetscCall(RunCreate(&run));
-  PetscCall(OptionGiven("-help", &wants_help));
-  if (!wants_help) PetscCall(RunSolveAndReport(&run));
-  PetscCall(PetscLogStagePop());
-  PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

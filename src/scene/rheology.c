@@ -152,7 +152,6 @@ static const RheologyRow rheologies[] = {
                  RHEOLOGY_BIT(RHEOLOGY_INFINITE),
         .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
         .Nu    = RheologyNu_Carreau,
-        .Rate  = RheologyRate_Bisect,
     },
     {
         .name     = "papanastasiou",
@@ -190,7 +189,6 @@ static const RheologyRow rheologies[] = {
                  RHEOLOGY_BIT(RHEOLOGY_INFINITE),
         .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
         .Nu    = RheologyNu_Cross,
-        .Rate  = RheologyRate_Bisect,
     },
     {
         .name     = "typed",
@@ -200,6 +198,13 @@ static const RheologyRow rheologies[] = {
     },
 };
 const Table RheologyTable = TABLE("Rheologies", rheologies);
+
+/* RheologyRate - Returns the strain rate of the ideal fluid at a shear stress above 0 [1/s]; not
+   collective */
+PetscReal RheologyRate(const Rheology *r, PetscReal tau)
+{
+  return r->row->Rate ? r->row->Rate(r, tau) : RheologyRate_Bisect(r, tau);
+}
 
 /* RheologyAt - Returns point k of the given coordinates with the present fields of the fluid there,
    if a typed viscosity depends on the place. Input: x - by axis [m] */

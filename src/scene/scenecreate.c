@@ -331,7 +331,7 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 
   PetscFunctionBegin;
   if (scene->scope) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ExpressionScopeCreate(scene->dim, &scene->scope));
+  PetscCall(ExpressionScopeCreate(scene->dim, scene->functions, &scene->scope));
   PetscCall(ExpressionScopeDefine(scene->scope, "nu", nu));
   PetscCall(ExpressionScopeDefine(scene->scope, "rho", scene->rho));
   PetscCall(ExpressionScopeDefine(scene->scope, "L", scene->length));
@@ -353,21 +353,24 @@ static void FieldsAtStart(void *ctx, PetscReal t, const PetscReal x[], PetscReal
 
   Collective on PETSC_COMM_WORLD.
 
-  Input Parameter:
-. cases - the option that chooses the case, with the table of cases
+  Input Parameters:
++ cases     - the option that chooses the case, with the table of cases
+- functions - rows of FunctionRow for expressions; NULL: none
 
   Output Parameter:
 . scene - complete: geometry in m, fluid, forces and chosen physics
 
   Notes: a patch test reads no options of fluid and physics.
 */
-PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
+PetscErrorCode SceneCreate(const OptionRow *cases, const Table *functions, Scene **scene)
 {
   PetscBool given;
   Scene    *s;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&s));
+  PetscCall(PetscNew(scene)); /* SceneDestroy() frees it if an option is refused */
+  s            = *scene;
+  s->functions = functions;
   s->length = s->speed = s->rho = 1.0;
   PetscCall(OptionGetRow(cases, NULL, &s->problem));
   PetscCall(SceneReadPhysics(s));
@@ -408,13 +411,13 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
   PetscCall(RegimeCreate(s, &s->regime));
-  *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SceneDestroy(Scene **scene)
 {
   PetscFunctionBegin;
+  if (!*scene) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ScalarsFree(&(*scene)->scalar, (*scene)->n_scalars));
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
   PetscCall(PetscFree((*scene)->pose));

@@ -134,10 +134,12 @@ PetscErrorCode SchemeDestroy(Flow *flow)
 {
   PetscFunctionBegin;
   if (!flow->scheme) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(flow->scheme->row->Destroy(flow));
-  PetscCall(AttemptDestroy(&flow->scheme->attempt));
-  PetscCall(ScalarsDestroy(flow));
-  PetscCall(FreeBodiesDestroy(flow->scene, &flow->state->bodies));
+  if (flow->state) { /* a refused option leaves a part of it */
+    PetscCall(flow->scheme->row->Destroy(flow));
+    PetscCall(AttemptDestroy(&flow->scheme->attempt));
+    PetscCall(ScalarsDestroy(flow));
+    PetscCall(FreeBodiesDestroy(flow->scene, &flow->state->bodies));
+  }
   PetscCall(FlowStateDestroy(flow));
   PetscCall(WallValuesFree(&flow->walls));
   PetscCall(PetscFree(flow->scheme));

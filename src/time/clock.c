@@ -48,9 +48,10 @@ static PetscReal ClockTarget(const Clock *c)
 {
   const PetscReal target =
       c->next_report < c->n_reports ? c->report_time[c->next_report] : c->t_end;
+  const PetscReal wanted = c->until > c->t ? PetscMin(target, c->until) : target;
 
-  if (c->land_every == 0.0) return target;
-  return PetscMin(target, ClockNext(c->land_every, c->t));
+  if (c->land_every == 0.0) return wanted;
+  return PetscMin(wanted, ClockNext(c->land_every, c->t));
 }
 
 /* ClockShortening - Returns the length of the present step over the usual one, below 1 at the start

@@ -102,7 +102,12 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   FuzzerStart();
   SetOptions(common);
   SetOptions((const char *const[]){"-checkpoint", PRISTINE, NULL});
-  if (SceneCreate(&CaseOption, &scene) || FlowRun(scene)) abort();
+  if (SceneCreate(&CaseOption, NULL, &scene)) abort();
+  CreateRun();
+  if (RunBegin(&run)) abort();
+  while (!run.over)
+    if (RunStep(&run)) abort();
+  if (RunDestroy(&run)) abort();
   if (PetscOptionsClearValue(NULL, "-checkpoint")) abort();
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   ReadPristine();

@@ -38,7 +38,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   ExpressionScope *scope;
   Expression       e;
 
-  if (ExpressionScopeCreate(dim, &scope)) abort();
+  if (ExpressionScopeCreate(dim, NULL, &scope)) abort();
   if (ExpressionScopeDefine(scope, "nu", 0.25)) abort();
   if (!ExpressionSet(scope, "-fuzzed", text, 1, most, allowed, &e)) {
     Evaluate(&e);

@@ -60,7 +60,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   scene.dx                               = 1.0 / n;
   scene.nu                               = 0.01;
   SceneSetSides(&scene, &BoundaryWall);
-  if (ExpressionScopeCreate(scene.dim, &scene.scope)) abort();
+  if (ExpressionScopeCreate(scene.dim, NULL, &scene.scope)) abort();
   if (ExpressionScopeDefine(scene.scope, "nu", scene.nu)) abort();
   SetOptions(text);
   (void)ReadScene(&scene);

@@ -242,7 +242,7 @@ PetscErrorCode SchemeArrange(Flow *flow)
     if ((*stage)->Applies && !(*stage)->Applies(flow)) continue;
     PetscCheck(s->n_stages < SCHEME_MAX_STAGES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
                "%s is one more than SCHEME_MAX_STAGES = %d", (*stage)->name, SCHEME_MAX_STAGES);
-    if (logs) PetscCall(PetscLogStageRegister((*stage)->name, &s->stage_log[s->n_stages]));
+    if (logs) PetscCall(LogStageGet((*stage)->name, &s->stage_log[s->n_stages]));
     s->stage[s->n_stages++] = *stage;
   }
   PetscCall(ListObservers(flow));

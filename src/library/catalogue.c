@@ -1,6 +1,7 @@
 /* Lists all tables of the program: tables of named rows for -catalogue, and tables of options for
    -help. */
 #include "isph/catalogue.h"
+#include "library.h"
 #include "isph/cases.h"
 #include "isph/patch.h"
 #include "isph/run.h"
@@ -34,18 +35,23 @@ static const Table *const tables[] = {&CaseTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-const OptionTable *const CatalogueOptions[] = {
-    &ProgramOptions,        &CaseOptions,       &SceneOptions,
-    &SpacingOptions,        &StartOptions,      &TypedOptions,
-    &BodyOptions,           &FreeBodyOptions,   &ScalarOptions,
-    &BoundaryOptions,       &OpeningOptions,    &RheologyOptions,
-    &FrameOptions,          &TimeOptions,       &SchemeOptions,
-    &PressurePointsOptions, &ProjectionOptions, &ViscosityOptions,
-    &CoupledOptions,        &WcsphOptions,      &MotionOptions,
-    &SurfaceVolumeOptions,  &ParticleOptions,   &OperatorOptions,
-    &GuardOptions,          &SnapshotOptions,   &MonitorOptions,
-    &ReportOptions,         &ProgressOptions,   &CheckpointOptions,
-    &PatchOptions,          &SolverOptions,     NULL};
+const OptionTable *const CatalogueOptions[] = {&ProgramOptions,    &CaseOptions,
+                                               &SceneOptions,      &SpacingOptions,
+                                               &StartOptions,      &TypedOptions,
+                                               &BodyOptions,       &FreeBodyOptions,
+                                               &ScalarOptions,     &BoundaryOptions,
+                                               &OpeningOptions,    &RheologyOptions,
+                                               &FrameOptions,      &TimeOptions,
+                                               &SchemeOptions,     &PressurePointsOptions,
+                                               &ProjectionOptions, &ViscosityOptions,
+                                               &CoupledOptions,    &WcsphOptions,
+                                               &MotionOptions,     &SurfaceVolumeOptions,
+                                               &ParticleOptions,   &OperatorOptions,
+                                               &GuardOptions,      &SnapshotOptions,
+                                               &MonitorOptions,    &ReportOptions,
+                                               &ProgressOptions,   &CheckpointOptions,
+                                               &PatchOptions,      &SolverOptions,
+                                               &PluginOptions,     NULL};
 
 /* CatalogueTable - Returns table k of named rows, NULL after the last */
 const Table *CatalogueTable(PetscInt k)
@@ -91,6 +97,7 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
   FILE       *out;
 
   PetscFunctionBegin;
+  PetscCall(PluginsOpen());
   PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)viewer), &rank));
   PetscCall(PetscViewerASCIIGetPointer(viewer, &out));
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: choices by name\n", ISPH_VERSION));
@@ -100,6 +107,7 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
     OptionsOf(CatalogueTable(k), names, sizeof(names));
     PetscCall(TableView(CatalogueTable(k), names, viewer));
   }
+  if (TableCount(&FunctionTable)) PetscCall(TableView(&FunctionTable, "in expressions", viewer));
   for (PetscInt k = 0; k < SchemeTable.count; k++)
     PetscCall(SchemeViewSteps((const SchemeRow *)(const void *)TableGet(&SchemeTable, k), viewer));
   if (rank == 0) RegimePrint(out, PETSC_FALSE);
