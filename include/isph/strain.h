@@ -23,6 +23,12 @@ typedef struct {
   PetscReal *w;
 } StrainRows;
 
+/* The same with a vector or a matrix for each particle: `size` numbers at w[k size]. */
+typedef struct {
+  PetscInt   size, n, room, *start, *j;
+  PetscReal *w;
+} StrainBlocks;
+
 /* The cells of a rank: a block of the lattice. In periodic directions it continues beyond sides. */
 typedef struct {
   PetscInt   dim, cells[ISPH_MAX_DIM]; /* of the whole lattice */
@@ -56,12 +62,13 @@ typedef struct {
 
 /* Facets of the free surface, and the sides of the box that it leaves wet. */
 typedef struct {
-  PetscReal  wet[2 * ISPH_MAX_DIM]; /* areas of sides in own cells [m^(dim-1)] */
-  PetscInt   n, room;
-  PetscReal *x;                /* their dim corners, dim numbers each [m] */
-  PetscInt  *corner;           /* their numbers, dim of each; facets side by side share them */
-  PetscInt   first, n_corners; /* point of corner 0; all corners */
-  StrainRows rows;             /* of the velocity at points: `sets` of each */
+  PetscReal    wet[2 * ISPH_MAX_DIM]; /* areas of sides in own cells [m^(dim-1)] */
+  PetscInt     n, room;
+  PetscReal   *x;                /* their dim corners, dim numbers each [m] */
+  PetscInt    *corner;           /* their numbers, dim of each; facets side by side share them */
+  PetscInt     first, n_corners; /* point of corner 0, the last points; all corners */
+  StrainRows   rows;             /* of the velocity at points: `sets` of each */
+  StrainBlocks motion;           /* of the velocity of corners, see strainmotion.c */
 } StrainSurface;
 
 typedef struct StrainCells StrainCells;
@@ -81,8 +88,10 @@ struct StrainCells {
   StrainBorder  border; /* of a scalar */
   StrainSurface surface;
   PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
-  /* int N_j along an axis: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
-  PetscReal *weight[ISPH_MAX_DIM];
+  StrainBlocks flux; /* of cells at the surface: more than V_c (div u)_c by its motion */
+  /* force on component b for a unit of one along axis a, at [a dim + b]: of own fluid, and of walls
+     in own cells; NULL: not known [m^dim] */
+  PetscReal *weight[STRAIN_TENSOR];
   PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
   PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
   StrainList list[2]; /* fluid, walls */

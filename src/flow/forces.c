@@ -9,14 +9,17 @@ static void NoteForce(Scheme *scheme, PetscReal square)
   scheme->bound.force_step = PetscMax(scheme->bound.force_step, scheme->stats.force_max);
 }
 
-/* Returns the share of its mass on which a force along axis a acts at own particle i. With a free
-   surface of strain cells it is that of the fluid that moves with it, int N_i/V_i, on which the
-   pressure acts: fluid at rest stays at rest. Beside a wall the rest is held by the wall. */
-static PetscReal ShareOf(const Flow *flow, PetscInt i, PetscInt a)
+/* Returns component a of a force f that acts on own particle i. With a free surface of strain cells
+   it acts on the fluid that moves with the particle, on which the pressure acts, so that fluid at
+   rest stays at rest. Beside a wall the rest is held by the wall. */
+static PetscReal ForceOn(const Flow *flow, PetscInt i, PetscInt a, const PetscReal f[])
 {
   const StrainCells *cells = flow->ops->cut_surface ? flow->ops->strain : NULL;
+  const PetscInt     d     = flow->scene->dim;
+  PetscReal          sum   = 0.0;
 
-  return cells ? cells->weight[a][i] / flow->particles->volume[i] : 1.0;
+  for (PetscInt b = 0; b < d && cells; b++) sum += f[b] * cells->weight[b * d + a][i];
+  return cells ? sum / flow->particles->volume[i] : f[a];
 }
 
 /*
@@ -60,7 +63,7 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     SceneBodyForce(scene, t, x, f);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (force) g[a][i] += f[a] * ShareOf(flow, i, a);
+      if (force) g[a][i] += ForceOn(flow, i, a, f);
       square += PetscSqr(f[a]);
     }
     most = PetscMax(most, square);

@@ -19,8 +19,8 @@ static void AddWeight(const Flow *flow, PetscReal force[])
     if (!ParticlesIsWall(p, j)) continue;
     ParticlesWallPoint(p, j, x);
     SceneBodyForce(flow->scene, flow->clock->t, x, f);
-    for (PetscInt a = 0; a < p->dim; a++)
-      force[p->dim * j + a] += flow->scene->rho * f[a] * cells->weight[a][j];
+    for (PetscInt k = 0; k < p->dim * p->dim; k++)
+      force[p->dim * j + k % p->dim] += flow->scene->rho * f[k / p->dim] * cells->weight[k][j];
   }
 }
 

@@ -210,10 +210,11 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
                                         const StrainCells *cells, PetscInt n, PetscBool walls,
                                         Mat *T)
 {
-  const PetscInt  d    = p->dim;
-  const PetscReal cell = PetscPowReal(s->scale, (PetscReal)d);
-  PetscInt        row  = 0, *width;
-  PetscReal       x[ISPH_MAX_DIM];
+  const StrainBlocks *flux = &cells->flux;
+  const PetscInt      d    = p->dim;
+  const PetscReal     cell = PetscPowReal(s->scale, (PetscReal)d);
+  PetscInt            row  = 0, *width;
+  PetscReal           x[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n, &width));
@@ -224,6 +225,7 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
 
       width[row] += cells->first[q][c + 1] - cells->first[q][c];
     }
+    if (flux->n) width[row] += d * (flux->start[c + 1] - flux->start[c]);
     row++;
   }
   PetscCall(SplineMat(p->comm, n, d * (walls ? p->n_wall : p->n_fluid), width, T));
@@ -242,6 +244,10 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
                               cells->volume[c] / cell * cells->g[q][a][e], ADD_VALUES));
       }
     }
+    for (PetscInt e = flux->n ? flux->start[c] : 0; e < (flux->n ? flux->start[c + 1] : 0); e++)
+      for (PetscInt a = 0; a < d && ParticlesIsWall(p, flux->j[e]) == walls; a++)
+        PetscCall(MatSetValue(*T, row, d * p->row[flux->j[e]] + a, flux->w[e * d + a] / cell,
+                              ADD_VALUES));
     row++;
   }
   PetscCall(SplineMatFinish(*T));

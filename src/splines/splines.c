@@ -192,7 +192,7 @@ PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesCutFree - Frees what SplinesCutAssemble() computes; collective */
+/* SplinesCutFree - Frees the results of SplinesCutAssemble(); collective */
 PetscErrorCode SplinesCutFree(Splines *s)
 {
   PetscFunctionBegin;

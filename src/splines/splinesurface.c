@@ -323,8 +323,8 @@ PetscErrorCode SplineSurfaceStiffness(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineSurfaceRows - Replaces the rows of splines at the free surface by E^T D, and computes what
-   preconditioners need; collective. Input: n - own cells; all - values of splines in them. */
+/* SplineSurfaceRows - Replaces the rows of splines at the free surface by E^T D, and computes data
+   of preconditioners; collective. Input: n - own cells; all - values of splines in them. */
 PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, Mat all, Splines *s)
 {
   const Particles   *p     = flow->particles;

@@ -57,7 +57,20 @@ typedef struct {
   StrainRows       feet; /* rows of feet, sets for each */
 } StrainFits;
 
-/* strainsurface.c */
+/* A part of the boundary of a cell: a point, whose row gives the velocity, and the area vector over
+   the volume. */
+typedef struct {
+  PetscInt  point;
+  PetscReal normal[ISPH_MAX_DIM];
+} Facet;
+
+/* Parts of the boundaries of all cells. */
+typedef struct {
+  PetscInt n, room, *first; /* facets of each cell begin at */
+  Facet   *facet;
+} Facets;
+
+/* strainlevel.c */
 #define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
 
 #define LEVEL_LOW  0.2 /* bounds of its level tau */
@@ -67,6 +80,18 @@ typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
 PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
                                    const PetscReal x[], PetscInt list[], PetscReal *C);
 PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);
+PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
+                            const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
+                            PetscReal gradient[]);
+
+/* strainmotion.c */
+PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
+                            StrainCells *cells);
+PetscErrorCode StrainFluxes(const Particles *p, const StrainPoints *points, const Facets *facets,
+                            StrainCells *cells);
+PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
+
+/* strainsurface.c */
 PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM],
                               StrainSurface *surface);
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *lattice,

@@ -421,19 +421,6 @@ static PetscErrorCode SidePoint(const Scene *scene, const StrainLattice *l, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A part of the boundary of a cell: a point, whose row gives the velocity, and the area vector over
-   the volume. */
-typedef struct {
-  PetscInt  point;
-  PetscReal normal[ISPH_MAX_DIM];
-} Facet;
-
-/* Parts of the boundaries of all cells. */
-typedef struct {
-  PetscInt n, room, *first; /* facets of each cell begin at */
-  Facet   *facet;
-} Facets;
-
 static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal normal[],
                                PetscReal volume, Facets *f)
 {
@@ -467,24 +454,6 @@ static PetscReal ValueAt(const StrainLattice *l, const Cell *cell, const PetscRe
   return sum;
 }
 
-/* The part of the free surface in a cell, which has one row of the velocity. */
-typedef struct {
-  PetscReal area, normal[ISPH_MAX_DIM], place[ISPH_MAX_DIM]; /* place: sum over area, then mean */
-} FreePart;
-
-static void AddArea(PetscInt dim, const PetscReal normal[], const PetscReal x[], FreePart *f)
-{
-  PetscReal area = 0.0;
-
-  for (PetscInt a = 0; a < dim; a++) area += PetscSqr(normal[a]);
-  area = PetscSqrtReal(area);
-  f->area += area;
-  for (PetscInt a = 0; a < dim; a++) {
-    f->normal[a] += normal[a];
-    f->place[a] += area * x[a];
-  }
-}
-
 /* Adds the facets of a part of a cell. */
 static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corners *corners,
                               PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
@@ -494,7 +463,6 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
   const StrainLattice *l     = &s->lattice;
   const PetscInt       other = StiffestOf(scene, n_fluids, fluids, fluid);
   const PetscInt       stiff = other >= 0 && StrainIsStiffer(scene, other, fluid) ? other : fluid;
-  FreePart             free  = {.area = 0.0};
   PetscInt             point = 0;
 
   PetscFunctionBegin;
@@ -511,12 +479,14 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
     const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
     PetscBool       near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0], wall;
 
-    if (body >= 0 && corners->depth) /* the facet is on what is less deep */
+    if (body >= 0 && corners->depth) /* the facet is on the less deep of them */
       near = ValueAt(l, cell, l->distance, part->place[k]) <
              ValueAt(l, cell, corners->depth, part->place[k]);
     wall = other < 0 || near;
     if (quantity->cut && !quantity->gives && !near) {
-      AddArea(l->dim, part->normal[k], part->place[k], &free);
+      for (PetscInt v = 0; v < l->dim; v++) /* corners have no points yet */
+        PetscCall(AddFacet(l->dim, -1 - (s->surface.n * l->dim + v), part->normal[k],
+                           part->volume * l->dim, facets));
       PetscCall(StrainFacetAdd(l->dim, part->corner[k], &s->surface));
       continue;
     }
@@ -526,11 +496,6 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
                              &sides->points));
     PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
   }
-  if (free.area <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < l->dim; a++) free.place[a] /= free.area;
-  point = sides->points.n;
-  PetscCall(StrainPointAdd(l->dim, free.place, fluid, -1, &sides->points));
-  PetscCall(AddFacet(l->dim, point, free.normal, part->volume, facets));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -713,32 +678,6 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a cell to the weights of own fluid, and if it is an own cell to those of walls: the integral
-   of a row N_i along axis a by the facets f of the cells c, sum n_a A N_i(x_f) (x_f - x_c)_a. The
-   gradient of a linear pressure then balances a uniform force to rounding. */
-static void AddWeights(const Particles *p, const StrainPoints *points, const StrainRows *rows,
-                       const Facets *facets, PetscInt c, StrainCells *s)
-{
-  PetscReal x[ISPH_MAX_DIM];
-  PetscBool own;
-
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = s->centre[a][c];
-  own = ParticlesHolds(p, x);
-  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
-    const Facet *facet = &facets->facet[k];
-
-    for (PetscInt a = 0; a < p->dim; a++) {
-      const PetscInt  row    = facet->point * s->sets + (s->sets == 1 ? 0 : a);
-      const PetscReal length = points->x[a][facet->point] - s->centre[a][c];
-      const PetscReal part   = s->volume[c] * facet->normal[a] * length;
-
-      for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++)
-        if (rows->j[e] < p->n_fluid || (own && ParticlesIsWall(p, rows->j[e])))
-          s->weight[a][rows->j[e]] += part * rows->w[e];
-    }
-  }
-}
-
 /* Joins the facets of all cells. */
 static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const Facets *facets,
                               StrainCells *s)
@@ -817,6 +756,9 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
   PetscCall(FindCells(scene, p, quantity, &corners, s, &sides, &facets));
   PetscCall(StrainCorners(scene, &s->lattice, &s->surface, &sides.points));
+  for (PetscInt k = 0; k < facets.n; k++)
+    if (facets.facet[k].point < 0)
+      facets.facet[k].point = s->surface.first + s->surface.corner[-1 - facets.facet[k].point];
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
   PetscCall(JoinAll(p, &rows, &facets, s));
@@ -828,12 +770,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     rows            = (StrainRows){.n = 0};
     for (PetscInt q = 0; q < s->sets; q++)
       PetscCall(PetscArraycpy(s->mass[q], p->volume, p->n_fluid));
-    for (PetscInt a = 0; a < p->dim; a++) {
-      PetscCall(PetscFree(s->weight[a]));
-      PetscCall(PetscCalloc1(ParticlesAll(p) + 1, &s->weight[a]));
-    }
-    for (PetscInt c = 0; c < s->n; c++)
-      AddWeights(p, &sides.points, &s->surface.rows, &facets, c, s);
+    PetscCall(StrainMotion(scene, p, &sides.points, s));
+    PetscCall(StrainFluxes(p, &sides.points, &facets, s));
   }
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
@@ -888,12 +826,14 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->surface.corner));
   PetscCall(PetscFree(s->surface.x));
   PetscCall(StrainRowsFree(&s->surface.rows));
+  PetscCall(StrainBlocksFree(&s->surface.motion));
+  PetscCall(StrainBlocksFree(&s->flux));
+  for (PetscInt k = 0; k < STRAIN_TENSOR; k++) PetscCall(PetscFree(s->weight[k]));
   PetscCall(PetscFree(s->strain));
   PetscCall(PetscFree(s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
     PetscCall(PetscFree(s->centre[q]));
     PetscCall(PetscFree(s->mass[q]));
-    PetscCall(PetscFree(s->weight[q]));
     PetscCall(PetscFree(s->first[q]));
     PetscCall(PetscFree(s->j[q]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));

@@ -167,7 +167,7 @@ static void FootOf(const Particles *p, PetscInt j, PetscReal x[])
     x[a] = p->x[a][j] - p->interface[j] * p->interface_normal[a][j];
 }
 
-/* Lists what takes part in fits of component c in a fluid. Input: list - the particles around. */
+/* Lists the candidates for fits of component c in a fluid. Input: list - the particles around. */
 static void Gather(const StrainFits *f, PetscInt fluid, PetscInt c, PetscInt n,
                    const PetscInt list[], Candidates *to)
 {

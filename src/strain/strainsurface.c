@@ -1,168 +1,22 @@
 /*
-  The free surface of the fluid in the strain cells: the level C = tau of the concentration of
-  particles,
+  The free surface of the fluid in the strain cells: facets with the corners y_v on the level of the
+  concentration. The tension is the derivative of the area A by the velocities of its corners. It
+  sums to zero over each body of fluid, with its torque:
 
-    C(x) = sum_j V_j W(|x - x_j|),   tau such that the cells have the volume sum_j V_j,
+    F_i = -sigma sum_v Y_vi^T dA/dy_v,   u(y_v) = sum_i Y_vi u_i
 
-  with mirror images in walls. Its facets have the corners y_v. The tension is the derivative of the
-  area A by the rates of the fits, and sums to zero over each body of fluid, with its torque:
+  with the matrices of strainmotion.c. A step dt changes it by the part of the second derivative
+  that has no negative eigenvalue,
 
-    F_i = -sigma sum_v N_i(y_v) dA/dy_v,   u(y_v) = sum_i N_i(y_v) u_i
+    dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum of int (grad_s Y_i^T n).(grad_s Y_j^T n)
 
-  A step dt changes it by the part of the second derivative that has no negative eigenvalue,
-
-    dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum over facets of int (grad_s N_i n)(grad_s N_j n)
-
-  Source: theory.md, (501)-(503). Derivatives of the area are those of K. A. Brakke, Exp. Math.
-  1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth. Fluids 51 (2006)
-  659-672.
+  Source: docs/developers/theory.md, (502). Derivatives of the area are those of K. A. Brakke, Exp.
+  Math. 1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth. Fluids 51
+  (2006) 659-672.
 */
 #include "strain.h"
 
-#define LEVEL_MOST  40   /* steps */
-#define SHARE_STEPS 16   /* of a quadrature of the kernel */
-#define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
-#define SAME_PLACE  1e-6 /* corners so near are the same, over the edge of a cell */
-
-/* Returns the kernel of the concentration, wendland_c2, at the distance X [1/m^dim]. */
-static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
-{
-  const PetscReal whole =
-      dim == 2 ? 7.0 / PETSC_PI / PetscSqr(R) : 21.0 / (2.0 * PETSC_PI) / (R * R * R); /* 1/int W */
-  PetscReal r2 = 0.0, q;
-
-  for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(X[a]);
-  q = PetscSqrtReal(r2) / R;
-  return q < 1.0 ? whole * NearestWeight(q) : 0.0;
-}
-
-/* Return the integrals of the kernel times q^k from q to 1, over its value at 0. */
-static PetscReal Beyond(PetscInt k, PetscReal q)
-{
-  static const PetscReal c[] = {1.0, 0.0, -10.0, 20.0, -15.0, 4.0};
-  PetscReal              sum = 0.0, power = PetscPowRealInt(PetscMin(q, 1.0), (int)k + 1);
-
-  for (PetscInt e = 0; e < 6; e++, power *= PetscMin(q, 1.0))
-    sum += c[e] * (1.0 - power) / (PetscReal)(k + e + 1);
-  return sum;
-}
-
-/*
-  Computes the part of the kernel that is behind a wall at the distance z < R, and on the fluid's
-  side of a plane through the centre of the kernel that meets the wall at the contact angle; and the
-  part behind the wall of what the kernel loses if the surface is curved, and has this angle on the
-  wall. Then a surface of uniform curvature, which has the same level everywhere, has it beside the
-  wall. Input: contact - cosine of the angle.
-
-    a_0 = int W dV,   a_1 = int (s^2 - 2 s s_0) W ds/int s^2 W ds,   s_0 the way to the wall
-
-  In 3D directions beta turn about the normal of the contact line.
-*/
-static void PartBehind(PetscInt dim, PetscReal contact, PetscReal z, PetscReal R, PetscReal part[2])
-{
-  const PetscReal from = z / R, most = PetscAcosReal(from), lean = PetscAsinReal(contact);
-  const PetscReal across = (PetscMin(lean, most) + most) / SHARE_STEPS;
-  const PetscReal way    = from / PetscMax(PetscCosReal(lean), PETSC_SMALL);
-  const PetscReal whole  = dim == 2 ? 7.0 / PETSC_PI : 21.0 / (2.0 * PETSC_PI);
-  const PetscInt  n      = dim == 2 ? 1 : SHARE_STEPS;
-
-  part[0] = part[1] = 0.0;
-  for (PetscInt m = 0; m < n; m++) {
-    const PetscReal step = dim == 2 ? 1.0 : PETSC_PI / n;
-    const PetscReal beta = dim == 2 ? 1.0 : PetscSinReal((m + 0.5) * step);
-
-    for (PetscInt k = 0; k < (across > 0.0 ? SHARE_STEPS : 0); k++)
-      part[0] += whole * step * across * (dim == 2 ? 1.0 : beta) *
-                 Beyond(dim - 1, from / (beta * PetscCosReal((k + 0.5) * across - most)));
-    part[1] += step * (Beyond(dim, way / beta) - 2.0 * way * beta * Beyond(dim - 1, way / beta)) /
-               ((dim == 2 ? 2.0 : 2.0 * PETSC_PI) * Beyond(dim, 0.0));
-  }
-}
-
-/* Takes the planes of walls with a contact angle off a list. Output: part - the sums of theirs. */
-static void TakeAngles(const Scene *scene, PetscReal R, WallPlane planes[], PetscInt *n,
-                       PetscReal part[2])
-{
-  PetscInt kept = 0;
-
-  part[0] = part[1] = 0.0;
-  for (PetscInt k = 0; k < *n; k++) {
-    const PetscReal contact = scene->boundary[planes[k].side].contact;
-    PetscReal       one[2];
-
-    if (contact == 0.0) {
-      planes[kept++] = planes[k];
-      continue;
-    }
-    PartBehind(scene->dim, contact, PetscMax(planes[k].distance, 0.0), R, one);
-    part[0] += one[0];
-    part[1] += one[1];
-  }
-  *n = kept;
-}
-
-/* StrainConcentration - Computes the concentration at a place from the particles around it; not
-   collective. Input: cells - of edge 3 dx at least; list - work. */
-PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
-                                   const PetscReal x[], PetscInt list[], PetscReal *C)
-{
-  const PetscReal R = LEVEL_REACH * scene->dx;
-  WallPlane       planes[WALL_PLANES];
-  PetscReal       behind[2];
-  PetscInt        n, n_planes = 0;
-
-  PetscFunctionBegin;
-  *C = 0.0;
-  PetscCall(CellsFind(cells, x, R, cells->n, list, &n));
-  if (n && SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, R, planes, &n_planes);
-  TakeAngles(scene, R, planes, &n_planes, behind);
-  for (PetscInt q = 0; q < n; q++) {
-    const PetscInt j = list[q];
-    PetscReal      X[ISPH_MAX_DIM];
-
-    if (ParticlesIsWall(p, j)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - x[a];
-    *C += p->volume[j] * WeightAt(p->dim, R, X);
-    for (PetscInt set = 1; set < 1 << n_planes; set++) {
-      PetscReal Y[ISPH_MAX_DIM];
-
-      MirrorImage(p->dim, n_planes, planes, set, X, Y);
-      *C += p->volume[j] * WeightAt(p->dim, R, Y);
-    }
-  }
-  if (*C > 0.0) *C = (*C + behind[0] - 0.5 * behind[1]) / (1.0 - behind[1]);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* StrainLevel - Finds the level tau at which own cells of all ranks have the volume of the
-   particles, by false position; collective. Input: Volume - of this rank's cells at a level. */
-PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
-{
-  PetscReal at[2] = {LEVEL_LOW, LEVEL_HIGH}, off[2], own = 0.0, wanted;
-  PetscInt  last = -1; /* the end that has moved */
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
-  for (PetscInt e = 0; e < 2; e++) off[e] = Volume(ctx, at[e]) - own;
-  PetscCallMPI(MPI_Allreduce(&own, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPIU_REAL, MPIU_SUM, p->comm));
-  *tau = off[0] <= 0.0 ? at[0] : at[1];
-  for (PetscInt k = 0; k < LEVEL_MOST && off[0] > 0.0 && off[1] < 0.0; k++) {
-    PetscReal now;
-    PetscInt  e;
-
-    *tau = (off[0] * at[1] - off[1] * at[0]) / (off[0] - off[1]);
-    now  = Volume(ctx, *tau) - own;
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &now, 1, MPIU_REAL, MPIU_SUM, p->comm));
-    if (PetscAbsReal(now) <= LEVEL_CLOSE * wanted) break;
-    e = now > 0.0 ? 0 : 1;
-    if (e == last) off[1 - e] *= 0.5; /* Illinois: an end must not stay for ever */
-    at[e]  = *tau;
-    off[e] = now;
-    last   = e;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define SAME_PLACE 1e-6 /* corners so near are the same, over the edge of a cell */
 
 /* StrainFacetAdd - Adds a facet; not collective. Input: x - its dim corners, in the order that
    turns its normal out of the fluid. */
@@ -350,17 +204,14 @@ PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const Strai
     if (!ShapeOf(d, &s->x[f * d * d], &shape)) continue;
     if (IsOwn(p, &s->x[f * d * d])) *area += shape.area;
     for (PetscInt v = 0; v < d; v++) {
-      const PetscInt row = (s->first + s->corner[f * d + v]) * cells->sets;
+      const PetscInt k = s->corner[f * d + v];
       PetscReal      wet[ISPH_MAX_DIM];
 
       (void)WetSlope(scene, &s->x[f * d * d], &shape, v, wet);
-      for (PetscInt a = 0; a < d; a++) {
-        const PetscInt q = cells->sets == 1 ? 0 : a;
-
-        for (PetscInt e = s->rows.start[row + q]; e < s->rows.start[row + q + 1]; e++)
-          if (s->rows.j[e] < p->n_fluid)
-            force[d * s->rows.j[e] + a] -= s->rows.w[e] * (shape.area * shape.slope[v][a] - wet[a]);
-      }
+      for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
+        for (PetscInt c = 0; c < d * d && s->motion.j[e] < p->n_fluid; c++)
+          force[d * s->motion.j[e] + c % d] -=
+              s->motion.w[e * d * d + c] * (shape.area * shape.slope[v][c / d] - wet[c / d]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -376,19 +227,19 @@ static void AddFacetOnWalls(const Scene *scene, const Particles *p, const Strain
   const PetscInt       d = p->dim;
 
   for (PetscInt v = 0; v < d; v++) {
-    const PetscInt row = (s->first + s->corner[f * d + v]) * cells->sets;
+    const PetscInt k = s->corner[f * d + v], row = (s->first + k) * cells->sets;
     PetscReal      wet[ISPH_MAX_DIM];
     const PetscInt side = WetSlope(scene, &s->x[f * d * d], shape, v, wet);
     const PetscInt on   = row + (cells->sets == 1 ? 0 : PetscMax(side, 0) / 2);
 
     for (PetscInt a = 0; a < d; a++) {
-      const PetscInt r      = row + (cells->sets == 1 ? 0 : a);
-      PetscReal      change = shape->slope[v][a];
+      PetscReal change = shape->slope[v][a];
 
       for (PetscInt b = 0; b < d; b++) change += shape->normal[a] * shape->slope[v][b] * slope[b];
-      for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
-        if (ParticlesIsWall(p, s->rows.j[e]))
-          force[d * s->rows.j[e] + a] -= tension * s->rows.w[e] * (shape->area * change - wet[a]);
+      for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
+        for (PetscInt b = 0; b < d && ParticlesIsWall(p, s->motion.j[e]); b++)
+          force[d * s->motion.j[e] + b] -=
+              tension * s->motion.w[(e * d + a) * d + b] * (shape->area * change - wet[a]);
       for (PetscInt e = s->rows.start[on]; e < s->rows.start[on + 1] && side >= 0; e++)
         if (ParticlesIsWall(p, s->rows.j[e]))
           force[d * s->rows.j[e] + a] -= tension * s->rows.w[e] * wet[a]; /* the wall pulls */
@@ -411,49 +262,42 @@ void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCe
     PetscReal  slope[ISPH_MAX_DIM] = {0.0}; /* of the fluid alone */
 
     if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
-    for (PetscInt k = 0; k < d * d; k++) {
-      const PetscInt v = k / d, a = k % d;
-      const PetscInt r =
-          (s->first + s->corner[f * d + v]) * cells->sets + (cells->sets == 1 ? 0 : a);
+    for (PetscInt v = 0; v < d; v++) {
+      const PetscInt k       = s->corner[f * d + v];
+      PetscReal      through = 0.0;
 
-      for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
-        for (PetscInt b = 0; b < d && !ParticlesIsWall(p, s->rows.j[e]); b++)
-          slope[b] +=
-              dt * s->rows.w[e] * shape.normal[a] * shape.slope[v][b] * value[a][s->rows.j[e]];
+      for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
+        for (PetscInt c = 0; c < d * d && !ParticlesIsWall(p, s->motion.j[e]); c++)
+          through +=
+              dt * s->motion.w[e * d * d + c] * shape.normal[c / d] * value[c % d][s->motion.j[e]];
+      for (PetscInt b = 0; b < d; b++) slope[b] += shape.slope[v][b] * through;
     }
     AddFacetOnWalls(scene, p, cells, f, &shape, slope, tension, force);
   }
 }
 
-/* Creates the matrix N of the velocities at the corners: interlaced components over fluid ->
+/* Creates the matrix Y of the velocities of the corners: interlaced components over fluid ->
    interlaced components at the corners of this rank. */
-static PetscErrorCode CornerVelocities(const Particles *p, const StrainCells *cells, Mat *N)
+static PetscErrorCode CornerVelocities(const Particles *p, const StrainSurface *s, Mat *Y)
 {
-  const StrainSurface *s = &cells->surface;
-  const PetscInt       d = p->dim, n = d * s->n_corners;
-  PetscInt            *width, first;
+  const StrainBlocks *of = &s->motion;
+  const PetscInt      d = p->dim, n = d * s->n_corners;
+  PetscInt           *width, first;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &width));
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt r = (s->first + k / d) * cells->sets + (cells->sets == 1 ? 0 : k % d);
-
-    width[k] = s->rows.start[r + 1] - s->rows.start[r];
-  }
+  for (PetscInt k = 0; k < n; k++) width[k] = d * (of->start[k / d + 1] - of->start[k / d]);
   PetscCall(MatCreateAIJ(p->comm, n, d * p->n_fluid, PETSC_DETERMINE, PETSC_DETERMINE, 0, width, 0,
-                         width, N));
+                         width, Y));
   PetscCall(PetscFree(width));
-  PetscCall(MatGetOwnershipRange(*N, &first, NULL));
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt r = (s->first + k / d) * cells->sets + (cells->sets == 1 ? 0 : k % d);
-
-    for (PetscInt e = s->rows.start[r]; e < s->rows.start[r + 1]; e++)
-      if (!ParticlesIsWall(p, s->rows.j[e]))
-        PetscCall(
-            MatSetValue(*N, first + k, d * p->row[s->rows.j[e]] + k % d, s->rows.w[e], ADD_VALUES));
-  }
-  PetscCall(MatAssemblyBegin(*N, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*N, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatGetOwnershipRange(*Y, &first, NULL));
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt e = of->start[k / d]; e < of->start[k / d + 1]; e++)
+      for (PetscInt b = 0; b < d && !ParticlesIsWall(p, of->j[e]); b++)
+        PetscCall(MatSetValue(*Y, first + k, d * p->row[of->j[e]] + b,
+                              of->w[e * d * d + k % d * d + b], ADD_VALUES));
+  PetscCall(MatAssemblyBegin(*Y, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*Y, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -494,16 +338,16 @@ static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells,
 /* StrainTensionMatrix - Creates K over interlaced components of fluid, see the top; collective */
 PetscErrorCode StrainTensionMatrix(const Particles *p, const StrainCells *cells, Mat *K)
 {
-  Mat N, S, back, product;
+  Mat Y, S, back, product;
 
   PetscFunctionBegin;
-  PetscCall(CornerVelocities(p, cells, &N));
+  PetscCall(CornerVelocities(p, &cells->surface, &Y));
   PetscCall(CornerSlopes(p, cells, &S));
-  PetscCall(MatMatMult(S, N, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
-  PetscCall(MatTranspose(N, MAT_INITIAL_MATRIX, &back));
+  PetscCall(MatMatMult(S, Y, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+  PetscCall(MatTranspose(Y, MAT_INITIAL_MATRIX, &back));
   PetscCall(MatMatMult(back, product, MAT_INITIAL_MATRIX, PETSC_DEFAULT, K));
   PetscCall(MatProductClear(*K));
-  PetscCall(MatDestroy(&N));
+  PetscCall(MatDestroy(&Y));
   PetscCall(MatDestroy(&S));
   PetscCall(MatDestroy(&back));
   PetscCall(MatDestroy(&product));

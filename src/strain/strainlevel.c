@@ -1,0 +1,231 @@
+/*
+  The level of the concentration of particles at which the free surface of strain cells is,
+
+    C(x) = sum_j V_j W(|x - x_j|),   C = tau such that the cells have the volume sum_j V_j,
+
+  with mirror images in walls, and how it moves with the particles. Source:
+  docs/developers/theory.md, (501), (561) and (562).
+*/
+#include "strain.h"
+
+#define LEVEL_MOST  40   /* steps */
+#define SHARE_STEPS 16   /* of a quadrature of the kernel */
+#define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
+#define SLOPE_STEP  1e-4 /* of differences of the parts behind walls, over the radius */
+
+/* Returns the kernel of the concentration, wendland_c2, at its centre [1/m^dim]. */
+static PetscReal WholeWeight(PetscInt dim, PetscReal R)
+{
+  return dim == 2 ? 7.0 / PETSC_PI / PetscSqr(R) : 21.0 / (2.0 * PETSC_PI) / (R * R * R);
+}
+
+/* Returns it at the distance X. */
+static PetscReal WeightAt(PetscInt dim, PetscReal R, const PetscReal X[])
+{
+  PetscReal r2 = 0.0, q;
+
+  for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(X[a]);
+  q = PetscSqrtReal(r2) / R;
+  return q < 1.0 ? WholeWeight(dim, R) * NearestWeight(q) : 0.0;
+}
+
+/* Return the integrals of the kernel times q^k from q to 1, over its value at 0. */
+static PetscReal Beyond(PetscInt k, PetscReal q)
+{
+  static const PetscReal c[] = {1.0, 0.0, -10.0, 20.0, -15.0, 4.0};
+  PetscReal              sum = 0.0, power = PetscPowRealInt(PetscMin(q, 1.0), (int)k + 1);
+
+  for (PetscInt e = 0; e < 6; e++, power *= PetscMin(q, 1.0))
+    sum += c[e] * (1.0 - power) / (PetscReal)(k + e + 1);
+  return sum;
+}
+
+/*
+  Computes the part of the kernel that is behind a wall at the distance z < R, and on the fluid's
+  side of a plane through the centre of the kernel that meets the wall at the contact angle; and the
+  part behind the wall of what the kernel loses if the surface is curved, and has this angle on the
+  wall. Then a surface of uniform curvature, which has the same level everywhere, has it beside the
+  wall. Input: contact - cosine of the angle.
+
+    a_0 = int W dV,   a_1 = int (s^2 - 2 s s_0) W ds/int s^2 W ds,   s_0 the way to the wall
+
+  In 3D directions beta turn about the normal of the contact line.
+*/
+static void PartBehind(PetscInt dim, PetscReal contact, PetscReal z, PetscReal R, PetscReal part[2])
+{
+  const PetscReal from = z / R, most = PetscAcosReal(from), lean = PetscAsinReal(contact);
+  const PetscReal across = (PetscMin(lean, most) + most) / SHARE_STEPS;
+  const PetscReal way    = from / PetscMax(PetscCosReal(lean), PETSC_SMALL);
+  const PetscReal whole  = dim == 2 ? 7.0 / PETSC_PI : 21.0 / (2.0 * PETSC_PI);
+  const PetscInt  n      = dim == 2 ? 1 : SHARE_STEPS;
+
+  part[0] = part[1] = 0.0;
+  for (PetscInt m = 0; m < n; m++) {
+    const PetscReal step = dim == 2 ? 1.0 : PETSC_PI / n;
+    const PetscReal beta = dim == 2 ? 1.0 : PetscSinReal((m + 0.5) * step);
+
+    for (PetscInt k = 0; k < (across > 0.0 ? SHARE_STEPS : 0); k++)
+      part[0] += whole * step * across * (dim == 2 ? 1.0 : beta) *
+                 Beyond(dim - 1, from / (beta * PetscCosReal((k + 0.5) * across - most)));
+    part[1] += step * (Beyond(dim, way / beta) - 2.0 * way * beta * Beyond(dim - 1, way / beta)) /
+               ((dim == 2 ? 2.0 : 2.0 * PETSC_PI) * Beyond(dim, 0.0));
+  }
+}
+
+/* The part of walls in the concentration at a place. */
+typedef struct {
+  PetscInt  n;
+  WallPlane plane[WALL_PLANES], turn[WALL_PLANES]; /* of mirror images; through the place */
+  PetscReal behind[2];                             /* sums of a_0 and a_1 of walls with an angle */
+} WallsAround;
+
+static void FindWalls(const Scene *scene, PetscReal R, const PetscReal x[], WallsAround *walls)
+{
+  WallPlane all[WALL_PLANES];
+  PetscInt  n = 0;
+
+  walls->n         = 0;
+  walls->behind[0] = walls->behind[1] = 0.0;
+  if (SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, R, all, &n);
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal contact = scene->boundary[all[k].side].contact;
+    PetscReal       one[2];
+
+    if (contact == 0.0) {
+      walls->plane[walls->n]           = all[k];
+      walls->turn[walls->n]            = all[k];
+      walls->turn[walls->n++].distance = 0.0;
+      continue;
+    }
+    PartBehind(scene->dim, contact, PetscMax(all[k].distance, 0.0), R, one);
+    walls->behind[0] += one[0];
+    walls->behind[1] += one[1];
+  }
+}
+
+/* Returns the concentration with the parts behind walls. Input: C - with mirror images only. */
+static PetscReal WithAngles(const WallsAround *walls, PetscReal C)
+{
+  return (C + walls->behind[0] - 0.5 * walls->behind[1]) / (1.0 - walls->behind[1]);
+}
+
+/* StrainConcentration - Computes the concentration at a place from the particles around it; not
+   collective. Input: cells - of edge 3 dx at least; list - work. */
+PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
+                                   const PetscReal x[], PetscInt list[], PetscReal *C)
+{
+  const PetscReal R = LEVEL_REACH * scene->dx;
+  WallsAround     walls;
+  PetscInt        n;
+
+  PetscFunctionBegin;
+  *C = 0.0;
+  PetscCall(CellsFind(cells, x, R, cells->n, list, &n));
+  if (!n) PetscFunctionReturn(PETSC_SUCCESS);
+  FindWalls(scene, R, x, &walls);
+  for (PetscInt q = 0; q < n; q++) {
+    const PetscInt j = list[q];
+    PetscReal      X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - x[a];
+    for (PetscInt set = 0; set < 1 << walls.n; set++) {
+      MirrorImage(p->dim, walls.n, walls.plane, set, X, Y);
+      *C += p->volume[j] * WeightAt(p->dim, R, Y);
+    }
+  }
+  if (*C > 0.0) *C = WithAngles(&walls, *C);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the derivatives of W at X by X, times f. */
+static void AddSlope(PetscInt dim, PetscReal R, const PetscReal X[], PetscReal f, PetscReal slope[])
+{
+  PetscReal r2 = 0.0, q;
+
+  for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(X[a]);
+  q = PetscSqrtReal(r2) / R;
+  if (q >= 1.0) return;
+  for (PetscInt a = 0; a < dim; a++)
+    slope[a] -= 20.0 * f * WholeWeight(dim, R) * PetscPowRealInt(1.0 - q, 3) * X[a] / (R * R);
+}
+
+/*
+  StrainSlopes - Computes the derivatives of the concentration at a place
+
+  Not collective. Input: cells - of edge 3 dx at least. Output: list, n - particles around; slope -
+  by the place of each, dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m].
+  Those of mirror images and of the parts behind walls are walls' too.
+*/
+PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
+                            const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
+                            PetscReal gradient[])
+{
+  const PetscInt  d = p->dim;
+  const PetscReal R = LEVEL_REACH * scene->dx;
+  PetscReal       C = 0.0;
+  WallsAround     walls;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < d; a++) gradient[a] = 0.0;
+  PetscCall(CellsFind(cells, x, R, cells->n, list, n));
+  FindWalls(scene, R, x, &walls);
+  for (PetscInt q = 0; q < *n; q++) {
+    const PetscInt j = list[q];
+    PetscReal      X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], of[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < d; a++) slope[q * d + a] = 0.0;
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < d; a++) X[a] = p->x[a][j] - x[a];
+    for (PetscInt set = 0; set < 1 << walls.n; set++) {
+      PetscReal by[ISPH_MAX_DIM] = {0.0};
+
+      MirrorImage(d, walls.n, walls.plane, set, X, Y);
+      AddSlope(d, R, Y, p->volume[j] / (1.0 - walls.behind[1]), by);
+      C += p->volume[j] * WeightAt(d, R, Y);
+      MirrorImage(d, walls.n, walls.turn, set, by, of);
+      for (PetscInt a = 0; a < d; a++) gradient[a] -= by[a];
+      for (PetscInt a = 0; a < d; a++) slope[q * d + a] += of[a];
+    }
+  }
+  for (PetscInt k = 0; k < 2 * d && walls.behind[0] != 0.0; k++) { /* C with the walls elsewhere */
+    const PetscReal step = k % 2 ? SLOPE_STEP * R : -SLOPE_STEP * R;
+    PetscReal       y[ISPH_MAX_DIM];
+    WallsAround     there;
+
+    for (PetscInt a = 0; a < d; a++) y[a] = x[a] + (a == k / 2 ? step : 0.0);
+    FindWalls(scene, R, y, &there);
+    gradient[k / 2] += WithAngles(&there, C) / (2.0 * step);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StrainLevel - Finds the level tau at which own cells of all ranks have the volume of the
+   particles, by false position; collective. Input: Volume - of this rank's cells at a level. */
+PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
+{
+  PetscReal at[2] = {LEVEL_LOW, LEVEL_HIGH}, off[2], own = 0.0, wanted;
+  PetscInt  last = -1; /* the end that has moved */
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
+  for (PetscInt e = 0; e < 2; e++) off[e] = Volume(ctx, at[e]) - own;
+  PetscCallMPI(MPI_Allreduce(&own, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  *tau = off[0] <= 0.0 ? at[0] : at[1];
+  for (PetscInt k = 0; k < LEVEL_MOST && off[0] > 0.0 && off[1] < 0.0; k++) {
+    PetscReal now;
+    PetscInt  e;
+
+    *tau = (off[0] * at[1] - off[1] * at[0]) / (off[0] - off[1]);
+    now  = Volume(ctx, *tau) - own;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &now, 1, MPIU_REAL, MPIU_SUM, p->comm));
+    if (PetscAbsReal(now) <= LEVEL_CLOSE * wanted) break;
+    e = now > 0.0 ? 0 : 1;
+    if (e == last) off[1 - e] *= 0.5; /* Illinois: an end must not stay for ever */
+    at[e]  = *tau;
+    off[e] = now;
+    last   = e;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,264 @@
+/*
+  How the free surface of strain cells moves with the particles. Its corners y are on the level
+  C = tau of the concentration, so along its normal they move as the level does, and otherwise with
+  the fits:
+
+    u(y) = sum_j Y_j u_j,   Y_j = n (dC/dx_j)^T/|dC/dy| + (1 - n n^T) N_j(y)
+
+  On a wall they move along it. The matrices Y_j sum to 1 over particles and walls, and with them
+  a body that turns has no area and no volume that change. Flux, weight and tension have the same
+  velocity of the surface: then their work on the particles is that of area, volume and weight.
+
+  Source: docs/developers/theory.md, (562)
+*/
+#include "strain.h"
+
+#define LEAST_ALONG 0.2 /* sine of the least angle between a wall and the level for its motion */
+
+/* Adds w to the entry of j in the last row; place - of particles in it, by local index. */
+static PetscErrorCode EntryOf(PetscInt j, StrainBlocks *to, PetscInt place[], PetscReal **w)
+{
+  PetscFunctionBegin;
+  if (place[j] < 0) {
+    if (to->n == to->room) {
+      to->room = 2 * to->room + 1024;
+      PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)to->room, &to->j));
+      PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(to->room * to->size), &to->w));
+    }
+    place[j]     = to->n;
+    to->j[to->n] = j;
+    PetscCall(PetscArrayzero(&to->w[to->n++ * to->size], to->size));
+  }
+  *w = &to->w[place[j] * to->size];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the last of the rows, which is number r. */
+static void EndBlocks(PetscInt r, StrainBlocks *to, PetscInt place[])
+{
+  for (PetscInt e = to->start[r]; e < to->n; e++) place[to->j[e]] = -1;
+  to->start[r + 1] = to->n;
+}
+
+/* Begins n rows of entries with `size` numbers. */
+static PetscErrorCode BeginBlocks(PetscInt size, PetscInt n, StrainBlocks *to)
+{
+  PetscFunctionBegin;
+  to->size = size;
+  to->n    = 0;
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(n + 1), &to->start));
+  to->start[0] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode StrainBlocksFree(StrainBlocks *b)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(b->start));
+  PetscCall(PetscFree(b->j));
+  PetscCall(PetscFree(b->w));
+  b->n = b->room = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the wall particle nearest to a place of those listed; -1: none. */
+static PetscInt NearestWall(const Particles *p, const PetscReal x[], PetscInt n,
+                            const PetscInt list[])
+{
+  PetscReal least = PETSC_INFINITY;
+  PetscInt  best  = -1;
+
+  for (PetscInt q = 0; q < n; q++) {
+    PetscReal y[ISPH_MAX_DIM], r2 = 0.0;
+
+    if (!ParticlesIsWall(p, list[q])) continue;
+    ParticlesWallPoint(p, list[q], y);
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(y[a] - x[a]);
+    if (r2 < least) best = list[q];
+    least = PetscMin(least, r2);
+  }
+  return best;
+}
+
+/*
+  Computes the direction in which a corner moves by a unit of the way of the level along its normal:
+  along a wall that it is on, further by 1/sin of the angle between them, else along the normal.
+*/
+static void WayOf(const Scene *scene, const PetscReal x[], const PetscReal normal[],
+                  PetscReal way[])
+{
+  PetscReal along = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscBool on = StrainOnSide(scene, 2 * a, x) || StrainOnSide(scene, 2 * a + 1, x);
+
+    way[a] = on ? 0.0 : normal[a];
+    along += PetscSqr(way[a]);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++)
+    way[a] /= PetscMax(along, LEAST_ALONG * PetscSqrtReal(along) + PETSC_MACHINE_EPSILON);
+}
+
+/*
+  StrainMotion - Computes the velocities of the corners of the surface
+
+  Not collective. Input: points - of the rows of the surface. Output: cells->surface.motion. Mirror
+  images and parts of the level behind walls move with the walls: their part goes to the nearest
+  wall particle.
+*/
+PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
+                            StrainCells *cells)
+{
+  StrainSurface *s    = &cells->surface;
+  const PetscInt d    = p->dim;
+  Cells          near = {0};
+  PetscInt      *list, *place;
+  PetscReal     *slope, *w;
+
+  PetscFunctionBegin;
+  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &near));
+  PetscCall(PetscMalloc3(near.n + 1, &list, d * (near.n + 1), &slope, ParticlesAll(p), &place));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
+  PetscCall(BeginBlocks(d * d, s->n_corners, &s->motion));
+  for (PetscInt v = 0; v < s->n_corners; v++) {
+    PetscInt  n, wall;
+    PetscReal x[ISPH_MAX_DIM], rest[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], way[ISPH_MAX_DIM];
+    PetscReal size = PETSC_MACHINE_EPSILON;
+
+    for (PetscInt a = 0; a < d; a++) x[a] = points->x[a][s->first + v];
+    PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal));
+    for (PetscInt a = 0; a < d; a++) size += PetscSqr(normal[a]);
+    size = PetscSqrtReal(size);
+    for (PetscInt a = 0; a < d; a++) {
+      normal[a] /= -size;
+      rest[a] = normal[a];
+    }
+    WayOf(scene, x, normal, way);
+    wall = NearestWall(p, x, n, list);
+    for (PetscInt q = 0; q <= n; q++) {
+      const PetscInt   j  = q < n ? list[q] : wall;
+      const PetscReal *of = q < n ? &slope[q * d] : rest;
+
+      if (j < 0 || ParticlesIsWall(p, j) != (q == n)) continue;
+      PetscCall(EntryOf(j, &s->motion, place, &w));
+      for (PetscInt k = 0; k < d * d; k++) w[k] += way[k / d] * of[k % d] / (q < n ? size : 1.0);
+      for (PetscInt a = 0; a < d && q < n; a++) rest[a] -= of[a] / size;
+    }
+    for (PetscInt b = 0; b < d; b++) {
+      const PetscInt row = (s->first + v) * cells->sets + (cells->sets == 1 ? 0 : b);
+
+      for (PetscInt e = s->rows.start[row]; e < s->rows.start[row + 1]; e++) {
+        PetscCall(EntryOf(s->rows.j[e], &s->motion, place, &w));
+        for (PetscInt a = 0; a < d; a++)
+          w[a * d + b] += s->rows.w[e] * ((a == b ? 1.0 : 0.0) - way[a] * normal[b]);
+      }
+    }
+    EndBlocks(v, &s->motion, place);
+  }
+  PetscCall(PetscFree3(list, slope, place));
+  PetscCall(CellsFree(&near));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds facet k of a cell to the weights: a component of the velocity through it times the way from
+   the middle of the cell. Input: own - the cell is in the box of this rank, which adds walls'. */
+static void AddWeights(const Particles *p, const StrainPoints *points, const StrainCells *s,
+                       const Facet *facet, PetscInt c, PetscBool own, PetscReal *const weight[])
+{
+  const StrainSurface *surface = &s->surface;
+  const PetscInt       d = p->dim, v = facet->point - surface->first;
+  PetscReal            part[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < d; a++)
+    part[a] = s->volume[c] * (points->x[a][facet->point] - s->centre[a][c]);
+  if (v >= 0) {
+    for (PetscInt e = surface->motion.start[v]; e < surface->motion.start[v + 1]; e++) {
+      const PetscInt j = surface->motion.j[e];
+
+      if (j >= p->n_fluid && !(own && ParticlesIsWall(p, j))) continue;
+      for (PetscInt k = 0; k < d * d * d; k++) {
+        const PetscInt a = k / (d * d), b = k % d, of = k / d % d;
+
+        weight[a * d + b][j] +=
+            part[a] * facet->normal[of] * surface->motion.w[e * d * d + of * d + b];
+      }
+    }
+    return;
+  }
+  for (PetscInt b = 0; b < d; b++) {
+    const PetscInt row = facet->point * s->sets + (s->sets == 1 ? 0 : b);
+
+    for (PetscInt e = surface->rows.start[row]; e < surface->rows.start[row + 1]; e++) {
+      const PetscInt j = surface->rows.j[e];
+
+      if (j >= p->n_fluid && !(own && ParticlesIsWall(p, j))) continue;
+      for (PetscInt a = 0; a < d; a++)
+        weight[a * d + b][j] += part[a] * facet->normal[b] * surface->rows.w[e];
+    }
+  }
+}
+
+/* Adds the flux out of a cell by the motion of a corner of the surface, less that of its fit. */
+static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *facet, PetscInt c,
+                              PetscInt place[], StrainBlocks *flux)
+{
+  const StrainSurface *surface = &s->surface;
+  const PetscInt       v       = facet->point - surface->first;
+  PetscReal           *w;
+
+  PetscFunctionBegin;
+  for (PetscInt e = surface->motion.start[v]; e < surface->motion.start[v + 1]; e++) {
+    PetscCall(EntryOf(surface->motion.j[e], flux, place, &w));
+    for (PetscInt k = 0; k < d * d; k++)
+      w[k % d] += s->volume[c] * facet->normal[k / d] * surface->motion.w[e * d * d + k];
+  }
+  for (PetscInt b = 0; b < d; b++) {
+    const PetscInt row = facet->point * s->sets + (s->sets == 1 ? 0 : b);
+
+    for (PetscInt e = surface->rows.start[row]; e < surface->rows.start[row + 1]; e++) {
+      PetscCall(EntryOf(surface->rows.j[e], flux, place, &w));
+      w[b] -= s->volume[c] * facet->normal[b] * surface->rows.w[e];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
+  there, and the weights of the rows, on which body forces act,
+
+    (w_i)_ab = sum_c sum over its facets f of (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
+
+  Not collective. The gradient of a linear pressure that vanishes on the surface then balances a
+  uniform force.
+*/
+PetscErrorCode StrainFluxes(const Particles *p, const StrainPoints *points, const Facets *facets,
+                            StrainCells *s)
+{
+  const PetscInt d = p->dim;
+  PetscInt      *place;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(ParticlesAll(p), &place));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
+  for (PetscInt k = 0; k < d * d; k++) {
+    PetscCall(PetscFree(s->weight[k]));
+    PetscCall(PetscCalloc1(ParticlesAll(p) + 1, &s->weight[k]));
+  }
+  PetscCall(BeginBlocks(d, s->n, &s->flux));
+  for (PetscInt c = 0; c < s->n; c++) {
+    PetscReal x[ISPH_MAX_DIM];
+    PetscBool own;
+
+    for (PetscInt a = 0; a < d; a++) x[a] = s->centre[a][c];
+    own = ParticlesHolds(p, x);
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      AddWeights(p, points, s, &facets->facet[k], c, own, s->weight);
+      if (facets->facet[k].point >= s->surface.first)
+        PetscCall(AddFlux(d, s, &facets->facet[k], c, place, &s->flux));
+    }
+    EndBlocks(c, &s->flux, place);
+  }
+  PetscCall(PetscFree(place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
