@@ -6,6 +6,7 @@ arrays without copies, boundaries, particles that enter and leave, studies, pict
 import os
 import runpy
 import sys
+import warnings
 from importlib.util import find_spec
 
 from interpreter import python_with
@@ -38,6 +39,11 @@ assert called["velocity"][0][0] == 7.0, "a copy"
 called.changed()
 assert list(called.boundaries) == ["left", "right", "bottom", "top"]
 assert called.force("top").force[0] < 0.0 and called.probe([[0.5, 0.5]])[0].shape == (1, 2)
+flow = isph.Flow(case="cavity", n=8, t_end=0.02)
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    flow.run(until=0.03)
+assert "ended at t = 0.02, before 0.03" in str(told[0].message), told
 raises(KeyError, "front: the boundaries are left, right", called.force, "front")
 raises(isph.Error, "-foo: unknown option", isph.Flow, case="cavity", foo=1)
 raises(ZeroDivisionError, "division", isph.Flow, case="scene", n=12, scene_wall_top_velocity=(lambda x: 1 / 0, 0))

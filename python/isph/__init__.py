@@ -12,6 +12,7 @@ import atexit
 import ctypes
 import inspect
 import itertools
+import warnings
 import weakref
 from collections import namedtuple
 
@@ -38,13 +39,14 @@ class Flow:
 
     def __init__(self, *words, **options):
         """words: of a command line, as in Flow("-options_file", "kneader.opts", n=30)."""
-        self._handle, self._functions, self._raised, self._each = c_void_p(), [], None, None
+        self._handle, self._functions, self._raised, self._each = c_void_p(), [], [], None
         lib.IsphFlowCreate(byref(self._handle))
         _flows.add(self)
         try:
             words = list(words) + [word for name, value in options.items() for word in self._option(name, value)]
             call(self._handle, "SetOptions", len(words), (c_char_p * (len(words) + 1))(*(w.encode() for w in words)))
-            self._monitor = MONITOR(self._after_step)
+            me = weakref.ref(self)  # a flow without circles ends where it is given up, on all ranks alike
+            self._monitor = MONITOR(lambda *_: me()._after_step())
             call(self._handle, "SetMonitor", self._monitor, None)
             self._call("SetUp")
         except BaseException:
@@ -72,10 +74,11 @@ class Flow:
         try:
             call(self._handle, name, *arguments)
         except Error:
-            if self._raised is None:
+            if not self._raised:
                 raise
-        raised, self._raised = self._raised, None
-        if raised is not None:
+        if self._raised:
+            raised = self._raised[0]
+            self._raised.clear()
             raise raised
 
     def _option(self, name, value):
@@ -91,22 +94,24 @@ class Flow:
 
     def _function(self, function):
         """Registers a function; returns its call in an expression, with its arguments by their names."""
+        raised = self._raised
+
         def value(n, argument, _):
             try:
                 return float(function(*argument[:n]))
             except BaseException as fault:  # the flow ends with NaN, and _call() raises this
-                self._raised = self._raised or fault
+                raised.append(fault)
                 return numpy.nan
         name, self._functions = f"python_{len(self._functions)}", self._functions + [FUNCTION(value)]
         call(self._handle, "SetFunction", name.encode(), self._functions[-1], None)
         return f"{name}({','.join(inspect.signature(function).parameters)})"
 
-    def _after_step(self, *_):
+    def _after_step(self):
         """Called after each step; stops a run after an exception, as a KeyboardInterrupt."""
         try:
             return 1 if self._each and self._each(self) else 0
         except BaseException as fault:
-            self._raised = fault
+            self._raised.append(fault)
             return 1
 
     def step(self):
@@ -124,8 +129,11 @@ class Flow:
         self._each = after
         try:
             self._call("Run", until)
+            if self.t < until * (1.0 - 1e-9) < numpy.inf:
+                warnings.warn(f"the run ended at t = {self.t:.6g}, before {until:.6g}; give a later t_end, or a looser end",
+                              stacklevel=2)
         except Error as fault:
-            if fault.code != 1:  # that of a monitor that stops
+            if fault.code != 1:  # the monitor stops
                 raise
         finally:
             self._each = None
