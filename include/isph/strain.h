@@ -66,6 +66,9 @@ typedef struct {
   PetscInt     n, room;
   PetscReal   *x;                /* their dim corners, dim numbers each [m] */
   PetscInt    *corner;           /* their numbers, dim of each; facets side by side share them */
+  PetscInt     n_wet, room_wet;  /* corners of parts of bodies in the fluid */
+  PetscReal   *wet_x;            /* dim numbers each [m] */
+  PetscInt    *wet_body;         /* their boundaries */
   PetscInt     first, n_corners; /* point of corner 0, the last points; all corners */
   StrainRows   rows;             /* of the velocity at points: `sets` of each */
   StrainBlocks motion;           /* of the velocity of corners, see strainmotion.c */

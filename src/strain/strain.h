@@ -94,6 +94,8 @@ PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
 /* strainsurface.c */
 PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM],
                               StrainSurface *surface);
+PetscErrorCode StrainWetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt body,
+                            StrainSurface *surface);
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *lattice,
                              StrainSurface *surface, StrainPoints *points);
 

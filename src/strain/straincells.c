@@ -490,6 +490,8 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
       PetscCall(StrainFacetAdd(l->dim, part->corner[k], &s->surface));
       continue;
     }
+    if (quantity->cut && !quantity->gives)
+      PetscCall(StrainWetAdd(l->dim, part->corner[k], body, &s->surface));
     if (corners->depth && !near) body = quantity->gives ? SceneBoundaries(scene) : -1;
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
@@ -536,7 +538,7 @@ static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
   PetscReal            whole = 1.0;
 
   PetscFunctionBegin;
-  s->n = s->surface.n = 0;
+  s->n = s->surface.n = s->surface.n_wet = 0;
   PetscCall(PetscArrayzero(s->surface.wet, 2 * ISPH_MAX_DIM));
   PetscCall(PetscMalloc1(s->capacity, &facets->first));
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -825,6 +827,8 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(StrainRowsFree(&s->border.rows));
   PetscCall(PetscFree(s->surface.corner));
   PetscCall(PetscFree(s->surface.x));
+  PetscCall(PetscFree(s->surface.wet_x));
+  PetscCall(PetscFree(s->surface.wet_body));
   PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(StrainBlocksFree(&s->surface.motion));
   PetscCall(StrainBlocksFree(&s->flux));

@@ -33,10 +33,27 @@ PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], S
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* StrainWetAdd - Adds the dim corners x of a part of a body that fluid wets; not collective */
+PetscErrorCode StrainWetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt body,
+                            StrainSurface *s)
+{
+  PetscFunctionBegin;
+  if (s->n_wet + dim > s->room_wet) {
+    s->room_wet = 2 * s->room_wet + 256;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room_wet, &s->wet_body));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->room_wet * dim), &s->wet_x));
+  }
+  for (PetscInt v = 0; v < dim; v++) {
+    for (PetscInt a = 0; a < dim; a++) s->wet_x[s->n_wet * dim + a] = x[v][a];
+    s->wet_body[s->n_wet++] = body;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A corner of a facet: its place in units that are small against a cell. */
 typedef struct {
   PetscInt64 x[ISPH_MAX_DIM];
-  PetscInt   at; /* facet times dim plus the number of the corner */
+  PetscInt   at; /* facet times dim plus the number of the corner; -1 - number of a wet one */
 } Corner;
 
 static int ComparePlaces(const void *a, const void *b)
@@ -59,11 +76,13 @@ static PetscInt BoxSideAt(const Scene *scene, const PetscReal x[])
 
 /* StrainCorners - Numbers the corners of the facets, and adds their points; not collective. Cells
    side by side compute the places of their corners alike but for rounding; a corner that rounding
-   counts twice has two equal rows. */
+   counts twice has two equal rows. A corner that wet bodies share is on a contact line. */
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainSurface *s,
                              StrainPoints *points)
 {
-  const PetscInt d = l->dim, n = s->n * d;
+  const PetscInt d = l->dim, all = s->n * d, n = all + s->n_wet;
+  PetscInt       side  = -1;
+  PetscBool      added = PETSC_FALSE;
   Corner        *corner;
 
   PetscFunctionBegin;
@@ -71,9 +90,11 @@ PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainS
   s->n_corners = 0;
   PetscCall(PetscCalloc1(n, &corner));
   for (PetscInt k = 0; k < n; k++) {
-    corner[k].at = k;
+    const PetscReal *x = k < all ? &s->x[k * d] : &s->wet_x[(k - all) * d];
+
+    corner[k].at = k < all ? k : all - 1 - k;
     for (PetscInt a = 0; a < d; a++)
-      corner[k].x[a] = (PetscInt64)PetscFloorReal(s->x[k * d + a] / (SAME_PLACE * l->edge[a]));
+      corner[k].x[a] = (PetscInt64)PetscFloorReal(x[a] / (SAME_PLACE * l->edge[a]));
   }
   if (n) qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
   for (PetscInt k = 0; k < n; k++) {
@@ -82,10 +103,20 @@ PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainS
     for (PetscInt a = 0; same && a < d; a++)
       if (corner[k].x[a] != corner[k - 1].x[a]) same = PETSC_FALSE;
     if (!same) {
-      const PetscReal *x = &s->x[corner[k].at * d];
+      side  = -1;
+      added = PETSC_FALSE;
+    }
+    if (corner[k].at < 0) { /* those of bodies come first */
+      side = s->wet_body[-1 - corner[k].at];
+      continue;
+    }
+    if (!added) {
+      const PetscReal *x   = &s->x[corner[k].at * d];
+      const PetscInt   box = BoxSideAt(scene, x);
 
-      PetscCall(StrainPointAdd(d, x, 0, BoxSideAt(scene, x), points));
+      PetscCall(StrainPointAdd(d, x, 0, box >= 0 ? box : side, points));
       s->n_corners++;
+      added = PETSC_TRUE;
     }
     s->corner[corner[k].at] = s->n_corners - 1;
   }
