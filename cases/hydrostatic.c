@@ -41,7 +41,6 @@ static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 const CaseRow CaseHydrostatic = {
     .name            = "hydrostatic",
     .brief           = "closed box at rest under gravity",
-    .citation        = "",
     .three_d         = PETSC_TRUE,
     .physics         = NAVIER_STOKES | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
     .reynolds        = 100.0,

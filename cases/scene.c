@@ -106,7 +106,6 @@ static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 const CaseRow CaseScene = {
     .name            = "scene",
     .brief           = "typed by -scene_ options: a box, its sides, bodies",
-    .citation        = "",
     .physics         = NAVIER_STOKES | PHYSICS_WALLS,
     .reynolds        = 100.0,
     .reynolds_length = 1.0,

@@ -41,7 +41,7 @@ NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 # Options of other programs; beginnings of PETSc's options.
 FOREIGN = {"-o", "-n", "-c", "-g", "-S", "-B", "-D", "-L", "-R", "-j", "-j2", "-k", "-e", "-f", "-np", "-i", "-m", "-x",
            "-s", "-F", "-p", "-C", "-h", "-V"}
-PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_error", "help", "version", "fp_trap",
+PETSC = ("log_", "options_", "malloc_", "info", "on_error", "help", "version", "fp_trap",
          "sub_", "start_in_debugger", "ksp_", "pc_", "snes_", "ts_")
 
 
@@ -277,8 +277,8 @@ def limits(write):
 # ---- commands ----
 
 SHORT = """#!/usr/bin/env bash
-# isph for a short variant: two steps, four after a restart; no progress, no tolerances.
-last=2 keep=() skip=
+# isph for a short variant: two steps, four after a restart; no progress, no tolerances; a small patch.
+last=2 keep=() skip= small=
 for word in "$@"; do
   if [ "$skip" ]; then skip=; continue; fi
   case $word in
@@ -286,10 +286,11 @@ for word in "$@"; do
     -restart) last=4 ;;
     -catalogue|-help|--help|-h|-version|--version|-options_reference|patch|options/patch.opts) last= ;;
   esac
+  [ "$word" != options/patch.opts ] || small="-n 16"
   keep+=("$word")
 done
 [ $# -gt 0 ] || last=
-exec @ISPH@ "${keep[@]}" ${last:+-max_steps $last -progress none}
+exec @ISPH@ "${keep[@]}" ${last:+-max_steps $last -progress none} $small
 """
 
 FULL = """#!/bin/sh

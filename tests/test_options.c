@@ -117,7 +117,6 @@ static void test_tables(void **state)
     for (PetscInt k = 0; k < table->count; k++) {
       const TableRow *row = TableGet(table, k), *found;
 
-      assert_non_null(row->citation);
       assert_true(row->brief[0] != '\0');
       assert_in_range(strlen(row->name), 1, 127); /* as options have */
       assert_null(strpbrk(row->name, " ,\t"));

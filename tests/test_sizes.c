@@ -221,7 +221,7 @@ static void test_saddle(void **state)
     const PetscReal shift = steady ? 0.0 : 50.0;
 
     clock.steady_solve = steady ? PETSC_TRUE : PETSC_FALSE;
-    ASSERT_OK(SaddleAssemble(&flow, NULL, MATSAME, &s));
+    ASSERT_OK(SaddleAssemble(&flow, NULL, &s));
     ASSERT_OK(SaddleSetShift(cloud.particles, shift, &s));
     for (PetscInt k = 0; k < QuadraticCount(box.dim); k++) {
       const Quadratic f = QuadraticMonomial(box.dim, k);

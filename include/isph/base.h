@@ -31,7 +31,7 @@
 typedef struct {
   const char *name;     /* value of the option */
   const char *brief;    /* description in a line */
-  const char *citation; /* publication, or "" */
+  const char *citation; /* publication; NULL: none */
 } TableRow;
 
 typedef struct {

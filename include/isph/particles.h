@@ -312,6 +312,5 @@ PetscErrorCode VelocityRowsDivide(const Particles *particles, PetscReal *const b
                                   PetscReal factor, Mat rows);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode UnknownsVec(const Particles *particles, PetscInt n, Vec *v);
-PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
 #endif

@@ -28,7 +28,6 @@ typedef struct {
   SolverView  ts_view;            /* -<prefix>ts_view */
   const char *best;               /* type of KSP to recommend */
   const char *remedy;             /* advice; NULL: derived from the user's choice */
-  char        mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
   char        where[CLOCK_WHERE]; /* the present step, for messages */
   PetscBool   symmetric;          /* the matrix is symmetric */
   PetscBool   flat; /* particles fill a plane, whose matrices have factors with few entries */
@@ -71,7 +70,6 @@ PetscErrorCode SolverRenewPC(KSP ksp);
 PetscErrorCode SolverAttachShell(PC fieldsplit, PetscInt block, const char name[], void *ctx,
                                  PetscErrorCode (*Apply)(PC pc, Vec x, Vec y));
 PetscErrorCode SolverSetUpGamg(KSP ksp);
-PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
 /* setup.c */
@@ -82,7 +80,7 @@ void      SetUpCount(PetscInt iterations, SetUp *setup);
 /* pairlaplacian.c */
 PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
                              const PetscReal given[], Mat *A);
-PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A);
+PetscErrorCode PairPoisson(const Flow *flow, Mat *A);
 
 /* timestep.c */
 PetscErrorCode TimeCreate(const char prefix[], const char name[], const char type[],

@@ -116,7 +116,7 @@ PetscErrorCode TableView(const Table *table, const char options[], PetscViewer v
     const TableRow *row = TableGet(table, k);
 
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", row->name, row->brief));
-    if (row->citation[0])
+    if (row->citation)
       PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s [%s]\n", "", row->citation));
     if (table->Describe) {
       char text[256] = "";
@@ -143,9 +143,10 @@ PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer vie
   PetscFunctionBegin;
   if (!r) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(line, sizeof(line), "%-11s %s: %s%s%s%s", label, r->name, r->brief,
-                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
+                          r->citation ? " [" : "", r->citation ? r->citation : "",
+                          r->citation ? "]" : ""));
   PetscCall(PetscStrlen(line, &length));
-  if (length > 100 && r->citation[0])
+  if (length > 100 && r->citation)
     PetscCall(PetscSNPrintf(line, sizeof(line), "%-11s %s [%s]", label, r->name, r->citation));
   PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
   PetscFunctionReturn(PETSC_SUCCESS);

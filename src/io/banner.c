@@ -34,7 +34,7 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
       viewer, "isph %s, incompressible viscous SPH on PETSc %d.%d.%d\n", ISPH_VERSION,
       PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
   PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s: %s", "case", row->name, row->brief));
-  if (row->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, " [%s]", row->citation));
+  if (row->citation) PetscCall(PetscViewerASCIIPrintf(viewer, " [%s]", row->citation));
   PetscCall(
       PetscViewerASCIIPrintf(viewer, "\n" BANNER_LABEL "%" PetscInt_FMT "D, ", "flow", scene->dim));
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {

@@ -11,11 +11,10 @@ typedef struct {
 } ProgressRow;
 
 static const ProgressRow progresses[] = {
-    {.name     = "line",
-     .brief    = "a line, rewritten on a terminal, otherwise printed every 10 %",
-     .citation = "",
-     .shown    = PETSC_TRUE},
-    {.name = "none", .brief = "no progress", .citation = ""},
+    {.name  = "line",
+     .brief = "a line, rewritten on a terminal, otherwise printed every 10 %",
+     .shown = PETSC_TRUE},
+    {.name = "none", .brief = "no progress"},
 };
 const Table ProgressTable = TABLE("Progress", progresses);
 

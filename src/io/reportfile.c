@@ -17,65 +17,55 @@ typedef struct {
   char text[1024];
 } Columns;
 
-static PetscErrorCode ColumnWord(Columns *columns, const char word[])
+static void ColumnWord(Columns *columns, const char word[])
 {
-  PetscFunctionBegin;
   if (word) TextAppend(columns->text, sizeof(columns->text), word);
   TextAppend(columns->text, sizeof(columns->text), ",");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Appends a number; NaN, for "not applicable", gives an empty column. */
-static PetscErrorCode ColumnNumber(Columns *columns, PetscReal number)
+static void ColumnNumber(Columns *columns, PetscReal number)
 {
   char word[32] = "";
 
-  PetscFunctionBegin;
   if (!PetscIsNanReal(number)) {
-    PetscCall(PetscSNPrintf(word, sizeof(word), "%.10g", (double)number));
+    (void)snprintf(word, sizeof(word), "%.10g", (double)number);
   }
-  PetscCall(ColumnWord(columns, word));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ColumnWord(columns, word);
 }
 
 /* Appends a measured number with all digits. */
-static PetscErrorCode ColumnExact(Columns *columns, PetscReal number)
+static void ColumnExact(Columns *columns, PetscReal number)
 {
   char word[32] = "";
 
-  PetscFunctionBegin;
   if (!PetscIsNanReal(number)) (void)snprintf(word, sizeof(word), "%.17g", (double)number);
-  PetscCall(ColumnWord(columns, word));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ColumnWord(columns, word);
 }
 
 /* Appends the active physics, joined by '+'. */
-static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
+static void ColumnPhysics(Columns *columns, const Scene *scene)
 {
   char word[128] = "";
 
-  PetscFunctionBegin;
   for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
     if (!SceneHas(scene, (Physics)(1u << k))) continue;
     if (word[0]) TextAppend(word, sizeof(word), "+");
     TextAppend(word, sizeof(word), PhysicsNames[k]);
   }
-  PetscCall(ColumnWord(columns, word));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ColumnWord(columns, word);
 }
 
 /* Appends the wall treatment, with '+surface' for a layer of particles on walls. */
-static PetscErrorCode ColumnWall(Columns *columns, const Operators *ops)
+static void ColumnWall(Columns *columns, const Operators *ops)
 {
   char word[128] = "";
 
-  PetscFunctionBegin;
   if (ops->forms.wall) {
-    PetscCall(PetscSNPrintf(word, sizeof(word), "%s%s", ops->forms.wall->name,
-                            ops->forms.wall_surface ? "+surface" : ""));
+    (void)snprintf(word, sizeof(word), "%s%s", ops->forms.wall->name,
+                   ops->forms.wall_surface ? "+surface" : "");
   }
-  PetscCall(ColumnWord(columns, word));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ColumnWord(columns, word);
 }
 
 /* Returns the linear solve that fills a column, NULL if the run has none. */
@@ -94,8 +84,8 @@ static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
 
   PetscFunctionBegin;
   if (solve && solve->ksp) PetscCall(SolverNames(solve->ksp, &ksp, &pc));
-  PetscCall(ColumnWord(columns, ksp));
-  PetscCall(ColumnWord(columns, pc));
+  ColumnWord(columns, ksp);
+  ColumnWord(columns, pc);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,22 +97,20 @@ static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
   const LinearSolve   *velocity = FindSolve(flow, SOLVE_VELOCITY);
 
   PetscFunctionBegin;
-  PetscCall(ColumnWord(columns, forms->visc.row ? forms->visc.row->name : NULL));
-  PetscCall(ColumnWord(columns, forms->ppe.row ? forms->ppe.row->name : NULL));
-  PetscCall(ColumnWord(columns, FlowGradient(flow) ? FlowGradient(flow)->name : NULL));
-  PetscCall(ColumnWord(columns, OperatorsCorrection(flow->ops)));
-  PetscCall(ColumnWord(columns, velocity ? velocity->integrator : NULL));
+  ColumnWord(columns, forms->visc.row ? forms->visc.row->name : NULL);
+  ColumnWord(columns, forms->ppe.row ? forms->ppe.row->name : NULL);
+  ColumnWord(columns, FlowGradient(flow) ? FlowGradient(flow)->name : NULL);
+  ColumnWord(columns, OperatorsCorrection(flow->ops));
+  ColumnWord(columns, velocity ? velocity->integrator : NULL);
   PetscCall(ColumnsSolver(columns, velocity));
   PetscCall(ColumnsSolver(columns, FindSolve(flow, SOLVE_PRESSURE)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Appends the name of a table row, or an empty column. */
-static PetscErrorCode ColumnRow(Columns *columns, const void *row)
+static void ColumnRow(Columns *columns, const void *row)
 {
-  PetscFunctionBegin;
-  PetscCall(ColumnWord(columns, row ? ((const TableRow *)row)->name : NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ColumnWord(columns, row ? ((const TableRow *)row)->name : NULL);
 }
 
 /* Fills `columns` with the columns from case up to steps. */
@@ -135,25 +123,25 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionBegin;
   columns->text[0] = '\0';
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(ColumnWord(columns, scene->problem->name));
-  PetscCall(ColumnNumber(columns, scene->dim));
-  PetscCall(ColumnNumber(columns, scheme ? SceneReynolds(scene) : NAN));
-  PetscCall(ColumnRow(columns, scheme ? scheme->row : NULL));
-  PetscCall(ColumnRow(columns, scheme ? scheme->variant : NULL));
-  PetscCall(ColumnRow(columns, scheme ? scene->motion : NULL));
-  PetscCall(ColumnPhysics(columns, scene));
+  ColumnWord(columns, scene->problem->name);
+  ColumnNumber(columns, scene->dim);
+  ColumnNumber(columns, scheme ? SceneReynolds(scene) : NAN);
+  ColumnRow(columns, scheme ? scheme->row : NULL);
+  ColumnRow(columns, scheme ? scheme->variant : NULL);
+  ColumnRow(columns, scheme ? scene->motion : NULL);
+  ColumnPhysics(columns, scene);
   PetscCall(ColumnsForms(flow, columns));
-  PetscCall(ColumnWord(columns, flow->ops->forms.kernel->name));
-  PetscCall(ColumnNumber(columns, flow->ops->forms.h_over_dx));
-  PetscCall(ColumnWall(columns, flow->ops));
-  PetscCall(ColumnRow(columns, flow->state ? flow->state->shift : NULL));
-  PetscCall(ColumnNumber(columns, scene->jitter));
-  PetscCall(ColumnNumber(columns, scene->seed));
-  PetscCall(ColumnNumber(columns, scene->n));
-  PetscCall(ColumnNumber(columns, flow->particles->N_fluid));
-  PetscCall(ColumnNumber(columns, ranks));
-  PetscCall(ColumnNumber(columns, flow->clock ? flow->clock->dt : NAN));
-  PetscCall(ColumnNumber(columns, flow->clock ? flow->clock->step : NAN));
+  ColumnWord(columns, flow->ops->forms.kernel->name);
+  ColumnNumber(columns, flow->ops->forms.h_over_dx);
+  ColumnWall(columns, flow->ops);
+  ColumnRow(columns, flow->state ? flow->state->shift : NULL);
+  ColumnNumber(columns, scene->jitter);
+  ColumnNumber(columns, scene->seed);
+  ColumnNumber(columns, scene->n);
+  ColumnNumber(columns, flow->particles->N_fluid);
+  ColumnNumber(columns, ranks);
+  ColumnNumber(columns, flow->clock ? flow->clock->dt : NAN);
+  ColumnNumber(columns, flow->clock ? flow->clock->step : NAN);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,13 +172,13 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cpu_s, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
   if (steps > 0.0 && velocity) visc_its = velocity->iterations_sum / steps;
   if (steps > 0.0 && pressure) ppe_its = pressure->iterations_sum / steps;
-  PetscCall(ColumnNumber(columns, wall_seconds));
-  PetscCall(ColumnNumber(columns, cpu_s));
-  PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
-  PetscCall(ColumnNumber(columns, visc_its));
-  PetscCall(ColumnNumber(columns, ppe_its));
-  PetscCall(ColumnNumber(columns, rss_mb));
-  PetscCall(ColumnWord(columns, status));
+  ColumnNumber(columns, wall_seconds);
+  ColumnNumber(columns, cpu_s);
+  ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN);
+  ColumnNumber(columns, visc_its);
+  ColumnNumber(columns, ppe_its);
+  ColumnNumber(columns, rss_mb);
+  ColumnWord(columns, status);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -300,10 +288,10 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
     const Quantity *q    = report->n ? &report->quantity[k] : &none;
     Columns         time = {""}, numbers = {""};
 
-    PetscCall(ColumnNumber(&time, q->t));
-    PetscCall(ColumnExact(&numbers, q->value));
-    PetscCall(ColumnNumber(&numbers, q->reference));
-    PetscCall(ColumnExact(&numbers, q->error));
+    ColumnNumber(&time, q->t);
+    ColumnExact(&numbers, q->value);
+    ColumnNumber(&numbers, q->reference);
+    ColumnExact(&numbers, q->error);
     PetscCall(PetscSNPrintf(row, sizeof(row), "%s%s%s%s,%s", before.text, time.text, after.text,
                             q->name, numbers.text));
     row[strlen(row) - 1] = '\n'; /* in place of the last comma */

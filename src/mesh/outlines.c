@@ -156,9 +156,8 @@ static PetscErrorCode Read(const char option[], const char text[], Body *body)
 }
 
 const ShapeRow ShapeOutlines = {
-    .name     = "file",
-    .brief    = "path[,scale]: outlines of a CSV (lines x,y) or WKT file",
-    .citation = "",
-    .plane    = PETSC_TRUE,
-    .Read     = Read,
+    .name  = "file",
+    .brief = "path[,scale]: outlines of a CSV (lines x,y) or WKT file",
+    .plane = PETSC_TRUE,
+    .Read  = Read,
 };

@@ -50,7 +50,7 @@ static void ShiftDisplace_Fickian(PetscInt dim, PetscReal dx, PetscReal strength
 static const ShiftRow shifts[] = {
     {"fickian", "down the gradient of particle concentration, at most 0.1 dx a step",
      "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian, 0.1},
-    {"none", "no shifting", "", NULL, 0.0},
+    {"none", "no shifting", NULL, NULL, 0.0},
 };
 const Table ShiftTable = TABLE("Particle shifting", shifts);
 

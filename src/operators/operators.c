@@ -203,7 +203,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   AffineOperator *all[OPERATORS_COUNT];
 
   PetscFunctionBegin;
-  PetscCall(VectorsCheckType(PETSC_COMM_WORLD));
   PetscCall(PetscNew(&ops));
   PetscCall(PetscNew(&ops->work));
   ops->needs = needs;

@@ -1,56 +1,14 @@
-/*
-  Vectors over fluid or wall particles. A vector that allocates its storage has the type of
-  -vec_type. A vector whose storage is a particle field has PETSc's standard type, which matrices of
-  any type accept.
-*/
+/* Vectors over fluid or wall particles, which allocate their storage or share that of a field. */
 #include "isph/particles.h"
 
 /* Creates a vector of n values in blocks, which allocates its storage. */
 static PetscErrorCode VecOfType(MPI_Comm comm, PetscInt n, PetscInt block, Vec *v)
 {
-  const char *type;
-  PetscBool   given;
-
   PetscFunctionBegin;
-  PetscCall(OptionTyped("-vec_type", &type, &given));
   PetscCall(VecCreate(comm, v));
   PetscCall(VecSetSizes(*v, n, PETSC_DETERMINE));
   PetscCall(VecSetBlockSize(*v, block));
-  PetscCall(VecSetType(*v, given ? type : VECSTANDARD));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates a vector and computes with it, to find out if its type works. */
-static PetscErrorCode TryVector(MPI_Comm comm)
-{
-  PetscReal norm;
-  Vec       v;
-
-  PetscFunctionBegin;
-  PetscCall(VecOfType(comm, 1, 1, &v));
-  PetscCall(VecSet(v, 1.0));
-  PetscCall(VecNorm(v, NORM_2, &norm));
-  PetscCall(VecDestroy(&v));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* VectorsCheckType - Refuses a type of vectors that PETSc cannot make on these ranks; collective */
-PetscErrorCode VectorsCheckType(MPI_Comm comm)
-{
-  const char    *type;
-  PetscBool      given;
-  PetscErrorCode failed;
-
-  PetscFunctionBegin;
-  PetscCall(OptionTyped("-vec_type", &type, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  failed = TryVector(comm);
-  PetscCall(PetscPopErrorHandler());
-  UserCheck(!failed,
-            "-vec_type%s%s: this PETSc cannot make such vectors here; allowed are standard, and "
-            "types of devices that it was built for",
-            *type ? " " : "", type);
+  PetscCall(VecSetType(*v, VECSTANDARD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -92,7 +92,7 @@ static void CorrectKernel_Mixed(Stencil *st, PetscReal dW[], PetscReal ddW[])
 
 static const CorrectionRow corrections[] = {
     /* name, brief, citation, bit, kernel */
-    {"none", "no correction", "", 0, NULL},
+    {"none", "no correction", NULL, 0, NULL},
     {"shepard", "kernel over the sum of kernels",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", CORRECTION_SHEPARD,
      CorrectKernel_Shepard},

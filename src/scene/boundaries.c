@@ -10,7 +10,6 @@
 const BoundaryRow BoundaryWall = {
     .name       = "wall",
     .brief      = "solid surface without slip; the default for the sides of a box, and of bodies",
-    .citation   = "",
     .properties = BOUNDARY_PARTICLES | BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
@@ -21,7 +20,6 @@ const BoundaryRow BoundaryWall = {
 const BoundaryRow BoundaryPeriodic = {
     .name       = "periodic",
     .brief      = "fluid that leaves through one side comes in through the opposite one",
-    .citation   = "",
     .option     = {.name  = "-scene_periodic",
                    .kind  = VALUE_NAMES,
                    .brief = "periodic axes of the box",
@@ -34,7 +32,6 @@ const BoundaryRow BoundaryPeriodic = {
 const BoundaryRow BoundaryNone = {
     .name       = "none",
     .brief      = "side in the solid of a body around the fluid, or beyond a free surface",
-    .citation   = "",
     .properties = BOUNDARY_NO_SLIP,
 };
 

@@ -13,7 +13,6 @@
 const BoundaryRow BoundaryInflow = {
     .name       = "inflow",
     .brief      = "side through which fluid enters, or leaves, with a given velocity",
-    .citation   = "",
     .option     = {.name  = "-scene_inflow",
                    .kind  = VALUE_NAMES,
                    .brief = "sides of the box through which fluid enters, or leaves, with the "

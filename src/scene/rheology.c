@@ -131,9 +131,8 @@ static PetscReal RheologyRate_Casson(const Rheology *r, PetscReal tau)
 
 static const RheologyRow rheologies[] = {
     {
-        .name     = "newtonian",
-        .brief    = "viscosity does not follow the strain rate g = sqrt(2 E:E)",
-        .citation = "",
+        .name  = "newtonian",
+        .brief = "viscosity does not follow the strain rate g = sqrt(2 E:E)",
     },
     {
         .name     = "power_law",
@@ -191,10 +190,9 @@ static const RheologyRow rheologies[] = {
         .Nu    = RheologyNu_Cross,
     },
     {
-        .name     = "typed",
-        .brief    = "-viscosity_field at the present place, time, scalars and strain rate g",
-        .citation = "",
-        .Nu       = RheologyNu_Typed,
+        .name  = "typed",
+        .brief = "-viscosity_field at the present place, time, scalars and strain rate g",
+        .Nu    = RheologyNu_Typed,
     },
 };
 const Table RheologyTable = TABLE("Rheologies", rheologies);

@@ -30,20 +30,17 @@ static const MotionRow motions[] = {
     {
         .name           = "lagrangian",
         .brief          = "particles move with the flow and are shifted",
-        .citation       = "",
         .particles_move = PETSC_TRUE,
     },
     {
-        .name     = "eulerian",
-        .brief    = "particles stay; du/dt gains -u.grad u; operators are built once",
-        .citation = "",
+        .name  = "eulerian",
+        .brief = "particles stay; du/dt gains -u.grad u; operators are built once",
     },
     {
-        .name     = "frame",
-        .brief    = "particles and bodies that are not round turn with a frame about z; else as "
-                    "eulerian",
-        .citation = "",
-        .turns    = PETSC_TRUE,
+        .name  = "frame",
+        .brief = "particles and bodies that are not round turn with a frame about z; else as "
+                 "eulerian",
+        .turns = PETSC_TRUE,
     },
 };
 const Table MotionTable = TABLE("Motions", motions);

@@ -10,7 +10,6 @@
 const BoundaryRow BoundarySymmetry = {
     .name       = "symmetry",
     .brief      = "plane in which the flow mirrors itself: u.n = 0, no shear stress",
-    .citation   = "",
     .option     = {.name  = "-scene_symmetry",
                    .kind  = VALUE_NAMES,
                    .brief = "sides of the box that are planes of symmetry",

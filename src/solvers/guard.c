@@ -128,7 +128,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, PetscBool *only)
 {
   const char *const shows[] = {"-snes_test_jacobian", "-snes_test_jacobian_view"};
-  PetscBool         multiplies, diagonal, same, linear, given[2];
+  PetscBool         multiplies, diagonal, linear, given[2];
   PC                pc;
 
   PetscFunctionBegin;
@@ -136,11 +136,10 @@ PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, P
   PetscCall(PetscObjectTypeCompareAny((PetscObject)guard->solve.ksp, &multiplies, KSPGMRES, KSPCG,
                                       KSPFGMRES, KSPBCGS, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCNONE, type, ""));
-  PetscCall(PetscStrcmp(guard->mat_type, MATSAME, &same));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));
   for (PetscInt k = 0; k < 2; k++)
     PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, shows[k], &given[k]));
-  *only = multiplies && diagonal && same && linear && !given[0] && !given[1] &&
+  *only = multiplies && diagonal && linear && !given[0] && !given[1] &&
           !KspViewsHaveMatrix(&guard->ksp_views);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

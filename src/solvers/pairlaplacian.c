@@ -135,9 +135,9 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
   PairPoisson - Creates the pair-wise matrix of -dx_i^2 lap p for the pressure on particles
 
   Collective. Rows of free surfaces are those of the identity. The diagonal has the sums of rows of
-  the operator, which are not 0 where walls have a pressure. Input: type - for MatConvert().
+  the operator, which are not 0 where walls have a pressure.
 */
-PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A)
+PetscErrorCode PairPoisson(const Flow *flow, Mat *A)
 {
   const FreeSurface *free = flow->ops->free;
   Vec                one, sums;
@@ -152,7 +152,6 @@ PetscErrorCode PairPoisson(const Flow *flow, MatType type, Mat *A)
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) sum[i] = PetscMax(sum[i], 0.0);
   PetscCall(VecRestoreArray(sums, &sum));
   PetscCall(PairLaplacian(flow, one, NULL, sums, free ? free->kind : NULL, A));
-  PetscCall(MatConvert(*A, type, MAT_INPLACE_MATRIX, A));
   PetscCall(VecDestroy(&sums));
   PetscCall(VecDestroy(&one));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,15 +4,14 @@
 */
 #include "isph/solvers.h"
 
-static const char *const Linear[]  = {"visc",
-                                      "ppe",
-                                      "coupled",
-                                      "coupled_schur",
-                                      "coupled_fieldsplit_velocity",
-                                      "coupled_fieldsplit_pressure",
-                                      NULL};
-static const char *const Solvers[] = {"visc", "ppe", "coupled", NULL};
-static const char *const Times[]   = {"visc", "wcsph", NULL};
+static const char *const Linear[] = {"visc",
+                                     "ppe",
+                                     "coupled",
+                                     "coupled_schur",
+                                     "coupled_fieldsplit_velocity",
+                                     "coupled_fieldsplit_pressure",
+                                     NULL};
+static const char *const Times[]  = {"visc", "wcsph", NULL};
 
 /* Rows that PETSc reads: name, words of its place, brief, and other members. */
 #define ROW(option, value, word, ...)                                                              \
@@ -77,13 +76,6 @@ static const OptionRow options[] = {
     SOLVER("-<solve>_mg_levels_ksp_type", Linear, "smoother on the levels of multigrid"),
     SOLVER("-<solve>_mg_levels_pc_type", Linear,
            "preconditioner of the smoother on the levels of multigrid"),
-    SOLVER("-<solver>_mat_type", Solvers,
-           "type of the matrices of a solver: aij, or a type of PETSc that derives from it",
-           .standard = "-mat_type"),
-    SOLVER("-mat_type", NULL, "type of the matrices of all solvers", .standard = MATAIJ),
-    SOLVER("-vec_type", NULL,
-           "type of vectors; vectors that share memory with particle fields stay standard",
-           .standard = VECSTANDARD),
     SOLVER("-coupled_pc_fieldsplit_schur_fact_type", NULL,
            "factors of the block elimination that are applied", .expert = PETSC_TRUE,
            .where = "-scheme coupled with -coupled_pc_type fieldsplit"),

@@ -7,22 +7,19 @@
 
 static const DtAdaptRow adapts[] = {
     {
-        .name     = "cfl",
-        .brief    = "from -cfl with the present speed, and from the body force",
-        .citation = "",
-        .follows  = PETSC_TRUE,
+        .name    = "cfl",
+        .brief   = "from -cfl with the present speed, and from the body force",
+        .follows = PETSC_TRUE,
     },
     {
-        .name     = "none",
-        .brief    = "-dt, or from -cfl with the reference speed",
-        .citation = "",
+        .name  = "none",
+        .brief = "-dt, or from -cfl with the reference speed",
     },
     {
-        .name     = "retry",
-        .brief    = "as cfl (or -dt); a failed step is undone and repeated with half the length",
-        .citation = "",
-        .follows  = PETSC_TRUE,
-        .retries  = PETSC_TRUE,
+        .name    = "retry",
+        .brief   = "as cfl (or -dt); a failed step is undone and repeated with half the length",
+        .follows = PETSC_TRUE,
+        .retries = PETSC_TRUE,
     },
     {
         .name      = "error",

@@ -43,9 +43,7 @@ static const WallRow walls[] = {
      WallBeta_DummyLinear, PETSC_TRUE},
 };
 /* Treatment of patch tests: particles around the box have given values. */
-const WallRow WallGiven = {.name     = "given",
-                           .brief    = "values given at particles around the box",
-                           .citation = "",
-                           .Beta     = WallBeta_Own};
+const WallRow WallGiven = {
+    .name = "given", .brief = "values given at particles around the box", .Beta = WallBeta_Own};
 
 const Table WallTable = TABLE("Wall treatments", walls);

@@ -36,8 +36,6 @@ PETSC_TYPES = {  # the last words of PETSc's options, and words they may take
                       "symmetric-SOR/Jacobi l1scaled-SOR/Jacobi Gaussian-elimination CG Chebyshev FCF-Jacobi "
                       "l1scaled-Jacobi",
     "gamg_type": "agg geo classical",
-    "mat_type": "aij seqaij mpiaij baij sbaij dense aijperm aijsell aijcrl sell is mffd shell",
-    "vec_type": "standard seq mpi shared node",
     "schur_fact_type": "diag lower upper full",
     "schur_precondition": "self selfp a11 user full",
     "adapt_type": "none basic dsp cfl glee history",

@@ -8,7 +8,7 @@
 #include "schemes/surface/surface.h"
 
 static const CoupledGradientRow gradients[] = {
-    {.name = "fit", .brief = "that of -gradient: as accurate as the divergence", .citation = ""},
+    {.name = "fit", .brief = "that of -gradient: as accurate as the divergence"},
     {.name     = "adjoint",
      .brief    = "minus the transposed divergence: conserves momentum and adds no energy; order 1",
      .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",

@@ -42,8 +42,7 @@ typedef struct {
 } Schur;
 
 PetscErrorCode SchurCreate(Schur *schur);
-PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
-                             Schur *schur);
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool anew, Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
 

@@ -209,8 +209,7 @@ static PetscErrorCode MomentumProducts(const Flow *flow, Mat viscous, Saddle *s)
 /* Sets F and its diagonal for shift 0 to T_i (-nu L + v.grad) of all velocity components, and in a
    turning frame T_i w z x u; v: `advecting`, if given. Terms that are the same for each component
    are summed up before they are interlaced, and F is a MATMAIJ if it has no others. */
-static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], MatType type,
-                                     Saddle *s)
+static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Saddle *s)
 {
   const Scene             *scene   = flow->scene;
   const VelocityOperators *of      = &flow->ops->velocity[0];
@@ -246,10 +245,7 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
     PetscCall(CreateTurn(flow, &term));
     PetscCall(AddTerm(term, &s->F));
   }
-  if (!s->component) {
-    PetscCall(MatSetBlockSize(s->F, scene->dim));
-    PetscCall(MatConvert(s->F, type, MAT_INPLACE_MATRIX, &s->F));
-  }
+  if (!s->component) PetscCall(MatSetBlockSize(s->F, scene->dim));
   PetscCall(TimesOfRows(flow->particles, s, &s->diagonal));
   PetscCall(VecScale(s->diagonal, s->step));
   PetscCall(MatDiagonalScale(EntriesOf(s), s->diagonal, NULL));
@@ -261,17 +257,13 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Ma
   SaddleAssemble - Assembles all blocks from the present operators, but for the shift of F; see
   SaddleSetShift()
 
-  Collective.
-
-  Input Parameters:
-+ advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
-- type      - of the blocks, from SolverMatType()
+  Collective. Input: advecting - velocity of implicit convection [m/s]; NULL: no implicit
+  convection.
 */
-PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type, Saddle *s)
+PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], Saddle *s)
 {
-  const Scene     *scene   = flow->scene;
-  const Particles *p       = flow->particles;
-  Mat             *block[] = {&s->G, &s->D, &s->C};
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
 
   PetscFunctionBegin;
   PetscCall(SaddleFree(s));
@@ -280,11 +272,9 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   s->shift      = NAN;
   s->assemblies = flow->ops->assemblies;
   PetscCall(SetUnits(flow, s));
-  PetscCall(CreateMomentum(flow, advecting, type, s));
+  PetscCall(CreateMomentum(flow, advecting, s));
   PetscCall(CreateBlocks(flow, s));
   PetscCall(SaddleCreateStress(flow, s));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
-    PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim * p->n_fluid, s->n_p, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   if (s->Z) PetscCall(SaddleCreateProduct(s));

@@ -39,8 +39,7 @@ typedef struct {
 } Saddle;
 
 PetscReal      SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx);
-PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type,
-                              Saddle *saddle);
+PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], Saddle *saddle);
 PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
 PetscErrorCode SaddleFlatten(Mat P, Mat *flat);

@@ -165,7 +165,7 @@ PetscErrorCode SchurCreate(Schur *s)
 }
 
 /* Sets the preconditioners of K and M, which last as long as these matrices, and work vectors. */
-static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
+static PetscErrorCode AssembleOnSplines(Schur *s)
 {
   Splines *sp = s->splines;
 
@@ -186,7 +186,7 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
   PetscCall(PCSetOperators(s->products, sp->M, sp->M));
   PetscCall(PCSetUp(s->products));
   PetscCall(MatDestroy(&s->poisson));
-  PetscCall(MatConvert(sp->K, type, MAT_INITIAL_MATRIX, &s->poisson));
+  PetscCall(MatDuplicate(sp->K, MAT_COPY_VALUES, &s->poisson));
   PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
@@ -194,11 +194,11 @@ static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
 }
 
 /* Sets up the solver of the Poisson equation of particles, by the pair-wise Laplacian. */
-static PetscErrorCode SetUpPoisson(const Flow *flow, MatType type, Schur *s)
+static PetscErrorCode SetUpPoisson(const Flow *flow, Schur *s)
 {
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->poisson));
-  PetscCall(PairPoisson(flow, type, &s->poisson));
+  PetscCall(PairPoisson(flow, &s->poisson));
   PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
@@ -213,8 +213,7 @@ static PetscErrorCode SetUpPoisson(const Flow *flow, MatType type, Schur *s)
   Notes: PETSc gets the identity, the limit of long steps, so that preconditioners other than shell
   (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
-PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, PetscBool anew,
-                             Schur *s)
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool anew, Schur *s)
 {
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
@@ -227,8 +226,8 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   s->free      = flow->ops->free;
   PetscCall(MatCreateConstantDiagonal(flow->particles->comm, saddle->n_p, saddle->n_p,
                                       PETSC_DETERMINE, PETSC_DETERMINE, 1.0, &s->mass));
-  if (s->splines) PetscCall(AssembleOnSplines(type, s));
-  else if (anew) PetscCall(SetUpPoisson(flow, type, s));
+  if (s->splines) PetscCall(AssembleOnSplines(s));
+  else if (anew) PetscCall(SetUpPoisson(flow, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,8 +24,7 @@ static PetscErrorCode BlockDefaults(const Flow *flow, Coupled *c)
   }
   PetscCall(PetscOptionsGetString(NULL, prefix[0], "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCSHELL, &same));
-  PetscCall(PetscStrcmp(c->guard.mat_type, MATSAME, &c->saddle.repeats));
-  c->saddle.repeats = same && c->saddle.repeats && !flow->ops->forms.components_coupled &&
+  c->saddle.repeats = same && !flow->ops->forms.components_coupled &&
                       !(flow->scene->frame && flow->clock->steady_solve);
   if (same) PetscCall(VelocityBlockCreate(flow, c->saddle.repeats, &c->velocity));
   else PetscCall(AmgDefaults(prefix[0], "0"));
@@ -100,7 +99,6 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   c->guard.remedy      = "try a larger -coupled_ksp_max_it, or a smaller -dt";
   if (!lu)
     c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
-  PetscCall(SolverMatType("coupled_", c->guard.mat_type, sizeof(c->guard.mat_type)));
   if (c->splits) PetscCall(BlockDefaults(flow, c));
   if (c->splits) PetscCall(SchurCreate(&c->schur));
   PetscCall(CreateKsp(c));
@@ -185,8 +183,8 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   PetscFunctionBegin;
   PetscCall(KSPReset(solve->ksp));
   PetscCall(CoupledFree(c));
-  PetscCall(SaddleAssemble(c->flow, advecting, c->guard.mat_type, &c->saddle));
-  if (c->splits) PetscCall(SchurAssemble(c->flow, &c->saddle, c->guard.mat_type, anew, &c->schur));
+  PetscCall(SaddleAssemble(c->flow, advecting, &c->saddle));
+  if (c->splits) PetscCall(SchurAssemble(c->flow, &c->saddle, anew, &c->schur));
   PetscCall(UnknownsVec(p, c->saddle.n_p, &c->x));
   PetscCall(VecDuplicate(c->x, &c->b));
   PetscCall(FluidVec(p, NULL, &c->part));

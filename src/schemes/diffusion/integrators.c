@@ -48,10 +48,9 @@ static const ViscousIntegratorRow integrators[] = {
         .substeps = PETSC_TRUE,
     },
     {
-        .name     = TSEULER,
-        .brief    = "forward Euler",
-        .citation = "",
-        .terms    = TIME_EXPLICIT,
+        .name  = TSEULER,
+        .brief = "forward Euler",
+        .terms = TIME_EXPLICIT,
     },
     {
         .name     = TSSSP,

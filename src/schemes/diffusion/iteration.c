@@ -65,7 +65,7 @@ static PetscErrorCode Shorten(SNESLineSearch search, Vec u, Vec du, Vec next, Pe
 PetscErrorCode IterationChoose(Viscosity *v, SNES snes)
 {
   SNESLineSearch search;
-  PetscBool      given, newton, type_given, once = PETSC_FALSE;
+  PetscBool      given, once = PETSC_FALSE;
   char           type[64];
 
   PetscFunctionBegin;
@@ -76,12 +76,6 @@ PetscErrorCode IterationChoose(Viscosity *v, SNES snes)
             ": the viscosity depends on the flow, so a single solve is not enough; use newtonls");
   PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
-  PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_mf_operator", &newton));
-  PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_mf", &given));
-  PetscCall(OptionGiven("-mat_type", &type_given));
-  UserCheck(!type_given || (!newton && !given),
-            "-mat_type: PETSc gives it to the matrix-free Jacobian of -visc_snes_mf_operator too, "
-            "which has no entries; use -visc_mat_type and -ppe_mat_type");
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, ITERATION_MOST, PETSC_INT_MAX));
   /* the first residual is no reference: viscosities at rest may be far off */

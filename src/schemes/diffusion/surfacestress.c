@@ -119,7 +119,6 @@ PetscErrorCode SurfaceStressJacobian(Viscosity *v, Mat *J)
   PetscFunctionBegin;
   if (!v->shell) {
     PetscCall(Form(v, 1.0, J));
-    PetscCall(MatConvert(*J, v->guard.mat_type, MAT_INPLACE_MATRIX, J));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MatCreateShell(v->flow->particles->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, v, J));

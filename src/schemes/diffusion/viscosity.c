@@ -166,7 +166,6 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
   if (v->row->terms != TIME_EXPLICIT) {
     PetscCall(ViscosityCreateSolver(flow, v));
     PetscCall(KspViewsTake("visc_", &v->guard.ksp_views));
-    PetscCall(SolverMatType("visc_", v->guard.mat_type, sizeof(v->guard.mat_type)));
   }
   PetscCall(SolverViewTake("visc_", "-ts_view", &v->guard.ts_view));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -270,9 +269,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (v->shell && v->J) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
   if (v->surface) PetscCall(SurfaceStressJacobian(v, &v->J));
-  else
-    PetscCall(
-        AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));
+  else PetscCall(AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : MATSAME, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   if (v->nonlinear) PetscCall(ViscosityCreateNewton(v));

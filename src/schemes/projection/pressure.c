@@ -86,7 +86,7 @@ static PetscErrorCode ChooseGuess(const Flow *flow, Pressure *s)
 /* Decides if the solver needs no matrix but products after its set-up, and no option shows one. */
 static PetscErrorCode ChoosePassing(Pressure *s)
 {
-  PetscBool multiplies, sets_up, same;
+  PetscBool multiplies, sets_up;
   PC        pc;
 
   PetscFunctionBegin;
@@ -94,8 +94,7 @@ static PetscErrorCode ChoosePassing(Pressure *s)
   PetscCall(PetscObjectTypeCompareAny((PetscObject)s->guard.solve.ksp, &multiplies, KSPFGMRES,
                                       KSPGMRES, KSPCG, KSPBCGS, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &sets_up, PCLU, PCHYPRE, PCSHELL, ""));
-  PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
-  s->passing = multiplies && sets_up && same && !KspViewsHaveMatrix(&s->guard.ksp_views);
+  s->passing = multiplies && sets_up && !KspViewsHaveMatrix(&s->guard.ksp_views);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,8 +115,7 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
   PetscCall(PetscNew(&s));
   s->guard.solve = (LinearSolve){
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
-  PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
-  PetscCall(PressureChoose(flow, s->guard.mat_type, &solver));
+  PetscCall(PressureChoose(flow, &solver));
   s->direct            = solver == PRESSURE_LU;
   s->guard.approximate = PETSC_TRUE;
   PetscCall(PoissonSolver(sp ? NULL : &flow->ops->forms.ppe, 1e-5, types[solver], &s->guard));
@@ -233,21 +231,6 @@ static PetscErrorCode PressureRenumber(const Flow *flow, const PressureMatrices 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the regular matrix; copies A only if the user chose a matrix type. */
-static PetscErrorCode PressureOperator(const PressureMatrices *m, const Pressure *s, Mat *A)
-{
-  PetscBool same;
-  Mat       copy = m->A;
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
-  if (m->lasting) same = PETSC_TRUE; /* a shell */
-  if (!same) PetscCall(MatConvert(m->A, s->guard.mat_type, MAT_INITIAL_MATRIX, &copy));
-  PetscCall(GaugeMatrix(copy, s->gauge, A));
-  if (!same) PetscCall(MatDestroy(&copy));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Computes y/y^T 1 from the left null vector y of A, y^T A = 0, by a step of inverse iteration with
   the factors
@@ -287,14 +270,14 @@ static PetscErrorCode PreconditionerMat(Flow *flow, const PressureMatrices *m, P
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(PetscObjectTypeCompare((PetscObject)m->P, MATSHELL, &is_shell));
   if (s->pairs) {
-    PetscCall(PairPoisson(flow, s->guard.mat_type, &s->preconditioner));
+    PetscCall(PairPoisson(flow, &s->preconditioner));
   } else if (is_shell) {
     PetscCall(FlattenShell(m->P, &s->preconditioner));
   } else if (s->passing) {
     PetscCall(PetscObjectReference((PetscObject)m->P));
     s->preconditioner = m->P;
   } else {
-    PetscCall(MatConvert(m->P, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
+    PetscCall(MatDuplicate(m->P, MAT_COPY_VALUES, &s->preconditioner));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -383,7 +366,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
     PetscCall(PressureRenumber(flow, &m, s));
     rebuild = PETSC_TRUE;
   }
-  PetscCall(PressureOperator(&m, s, &A));
+  PetscCall(GaugeMatrix(m.A, s->gauge, &A));
   if (rebuild) {
     PetscCall(RenewPreconditioner(flow, A, &m, s));
   } else {

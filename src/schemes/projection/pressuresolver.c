@@ -76,25 +76,22 @@ static PetscBool TakesTensor(const Splines *sp)
   return sum <= TENSOR_MOST;
 }
 
-/* PressureChoose - Chooses the default solver; collective. Input: mat_type - MATSAME, or a type
-   that the user gives */
-PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureSolver *solver)
+/* PressureChoose - Chooses the default solver; collective */
+PetscErrorCode PressureChoose(const Flow *flow, PressureSolver *solver)
 {
   const Splines *sp = ((const Projection *)flow->scheme->data)->splines;
   PetscReal      n  = 1.0; /* unknowns, which may exceed PetscInt */
   PetscMPIInt    ranks;
-  PetscBool      same;
   char          *all, *asked;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(PetscStrcmp(mat_type, MATSAME, &same));
   PetscCall(PetscOptionsGetAll(NULL, &all));
   PetscCall(PetscStrstr(all, PC_OPTIONS, &asked));
   for (PetscInt a = 0; a < flow->scene->dim; a++) n *= flow->scene->cells[a];
   if (sp) n = sp->lattice.N;
   *solver = PRESSURE_AMG;
-  if (same && !asked) {
+  if (!asked) {
     if (TakesLU(flow, ranks, n)) *solver = PRESSURE_LU;
     else if (TakesTensor(sp)) *solver = PRESSURE_TENSOR;
     else if (TakesGAMG(flow, ranks, n)) *solver = PRESSURE_GAMG;

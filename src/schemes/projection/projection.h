@@ -86,7 +86,7 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
 /* pressuresolver.c */
 typedef enum { PRESSURE_AMG, PRESSURE_GAMG, PRESSURE_LU, PRESSURE_TENSOR } PressureSolver;
 
-PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureSolver *solver);
+PetscErrorCode PressureChoose(const Flow *flow, PressureSolver *solver);
 
 /* pressure.c */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe);

@@ -25,9 +25,7 @@ static const ProjectionRow projections[] = {
 const Table ProjectionTable = TABLE("Projections", projections);
 
 static const ConvectionRow convections[] = {
-    {.name     = "explicit",
-     .brief    = "extrapolated from earlier steps, or an explicit part of the TS",
-     .citation = ""},
+    {.name = "explicit", .brief = "extrapolated from earlier steps, or an explicit part of the TS"},
     {.name     = "implicit",
      .brief    = "in the viscous matrix, with an extrapolated advecting velocity",
      .citation = "Baker, Dougalis & Karakashian, Math. Comput. 39 (1982)",

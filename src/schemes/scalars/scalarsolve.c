@@ -207,7 +207,6 @@ PetscErrorCode ScalarCreateSolver(Flow *flow, Scalar *s)
   PetscCall(KSPGetPC(solve->ksp, &pc));
   PetscCall(PCSetType(pc, moves ? PCJACOBI : PCBJACOBI));
   PetscCall(KspViewsTake(s->prefix, &s->guard.ksp_views));
-  PetscCall(SolverMatType(s->prefix, s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(TSSetFromOptions(s->ts));
   PetscCall(TimeToleranceRefuse(s->ts, s->prefix));
   PetscCall(GuardAttach(solve->ksp, NULL, &s->guard));

@@ -8,7 +8,7 @@
 #define LEAST_CELLS      2.5 /* of the splines along an axis; rounded to 3 */
 
 static const PressurePointsRow points[] = {
-    {.name = "same", .brief = "on the particles", .citation = ""},
+    {.name = "same", .brief = "on the particles"},
     {.name     = "coarse",
      .brief    = "on B-splines of a coarser lattice, fixed in space: conserves volume exactly",
      .citation = "after Hoellig, Finite Element Methods with B-Splines, SIAM (2003)",

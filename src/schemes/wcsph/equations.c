@@ -93,7 +93,7 @@ static const DensityFormRow densities[] = {
 const Table DensityFormTable = TABLE("Density of weakly compressible fluids", densities);
 
 static const PressureReductionRow reductions[] = {
-    {"none", "the pressure itself, which keeps the momentum", "", PETSC_FALSE},
+    {"none", "the pressure itself, which keeps the momentum", NULL, PETSC_FALSE},
     {"local_mean", "the mean pressure of the neighbours is subtracted",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_TRUE},
 };
