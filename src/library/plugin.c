@@ -28,9 +28,9 @@ static PetscErrorCode PluginAdd(const char path[], const PluginRows *add)
   for (PetscInt k = 0; k < rows->count; k++) {
     const TableRow *row = TableGet(rows, k), *same;
 
-    UserCheck(row && row->name && row->brief && row->citation,
-              "-library %s: row %" PetscInt_FMT " of %s lacks a name, a brief or a citation", path,
-              k + 1, rows->title);
+    UserCheck(row && row->name && row->brief,
+              "-library %s: row %" PetscInt_FMT " of %s lacks a name or a brief", path, k + 1,
+              rows->title);
     PetscCall(TableFind(table, row->name, &same));
     if (same == row) PetscFunctionReturn(PETSC_SUCCESS); /* an earlier run has added them */
     UserCheck(!same, "-library %s: there is a row %s among the %s already; take another name", path,
