@@ -41,7 +41,8 @@ def place(path):
 
 def read_symbols(objects):
     """Returns {file: undefined symbols} and {symbol: its file}; files are (folder, name)."""
-    used, defined, lines = {}, {}, Path(objects).read_text().split()
+    used, defined = {}, {}
+    lines = [line for line in Path(objects).read_text().split() if "cmake_pch" not in line]  # parsed headers
     listed = subprocess.run(["nm", "-A", *lines], capture_output=True, text=True, check=True).stdout
     for line in lines + listed.splitlines():
         path = re.match(r"[^:]*\.dir/((?:src|cases)/[^:]*)\.c\.o(?:bj)?(?:$|:)", line)
