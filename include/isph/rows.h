@@ -276,6 +276,7 @@ typedef struct {
   Concentration       concentration;
   struct StrainCells *strain;      /* of a weak form; NULL: none */
   PetscBool           cut_surface; /* its cells end at the free surface */
+  Mat                 cut_part[2]; /* of visc.A if its viscosity varies: cells, tension; or NULL */
   FreeSurface        *free;        /* NULL: the fluid has no free surface */
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */

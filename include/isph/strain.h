@@ -107,6 +107,7 @@ PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,
                               PetscReal edge, PetscInt degree, const StrainQuantity *quantity,
                               StrainCells **cells);
+PetscErrorCode StrainPlaces(const Particles *particles, StrainCells *cells);
 PetscErrorCode StrainPatterns(const Particles *particles, StrainCells *cells, Pattern columns[2]);
 PetscErrorCode StrainMatrices(const Scene *scene, const Particles *particles, PetscBool walls,
                               StrainCells *cells, Mat *A, Mat *B);

@@ -395,10 +395,12 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
   PetscFunctionBegin;
   PetscCall(MatDestroy(&visc->A));
   PetscCall(MatDestroy(&visc->B));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatDestroy(&ops->cut_part[k]));
   PetscCall(
       StrainAssemble(scene, p, nb, StrainEdge(scene), ops->forms.degree, &velocity, &ops->strain));
   StrainViscosities(scene, p, ops->strain);
   if (products) {
+    if (SceneViscosityVaries(scene)) PetscCall(StrainPlaces(p, ops->strain));
     PetscCall(StrainProducts(scene, p, PETSC_FALSE, ops->strain, &visc->A));
     if (ops->forms.wall) PetscCall(StrainProducts(scene, p, PETSC_TRUE, ops->strain, &visc->B));
     PetscFunctionReturn(PETSC_SUCCESS);

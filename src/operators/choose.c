@@ -301,9 +301,6 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 /* Returns what a free surface of strain cells lacks in a scene; NULL: nothing. */
 static const char *CutSurfaceFault(const Scene *scene)
 {
-  if (scene->dim == 3 && SceneViscosityVaries(scene)) return "no varying viscosity in 3D";
-  if (scene->tension > 0.0 && SceneViscosityVaries(scene))
-    return "no surface tension of a fluid whose viscosity varies";
   if (!SceneMoves(scene)) return "moving particles only";
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) return "no outflow";
   if (SceneFluids(scene) > 1) return "one fluid";

@@ -265,6 +265,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(VecDestroy(&ops->ppe_scale));
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(StrainDestroy(&ops->strain));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatDestroy(&ops->cut_part[k]));
   PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree5(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w,
                        ops->work->excess));

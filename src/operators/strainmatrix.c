@@ -10,8 +10,8 @@
 #include "isph/operators.h"
 #include "isph/strain.h"
 
-/* Lists the places of own fluid in the cells, for each set of components. */
-static PetscErrorCode ListCells(const Particles *p, StrainCells *s)
+/* StrainPlaces - Lists the places of own fluid in the cells, for each set of components */
+PetscErrorCode StrainPlaces(const Particles *p, StrainCells *s)
 {
   PetscFunctionBegin;
   for (PetscInt q = 0; q < s->sets; q++) {
@@ -125,7 +125,7 @@ static PetscErrorCode SetLists(const Particles *p, StrainCells *s, Pattern colum
 PetscErrorCode StrainPatterns(const Particles *p, StrainCells *s, Pattern columns[2])
 {
   PetscFunctionBegin;
-  PetscCall(ListCells(p, s));
+  PetscCall(StrainPlaces(p, s));
   PetscCall(SetLists(p, s, columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -106,6 +106,26 @@ static void ScaleRow(const Scene *scene, const Particles *p, const Operators *op
   }
 }
 
+/* Computes the viscous matrices of strain cells for the present viscosities. Products have those of
+   the cells. A tension has entries of its own in the matrix. */
+static PetscErrorCode ScaleCells(const Scene *scene, const Particles *p, const Operators *ops)
+{
+  const AffineOperator *op = &ops->velocity[0].visc;
+
+  PetscFunctionBegin;
+  if (ops->cut_surface && p->dim == 3) {
+    PetscCall(MatAssemblyBegin(op->A, MAT_FINAL_ASSEMBLY)); /* preconditioners are out of date */
+    PetscCall(MatAssemblyEnd(op->A, MAT_FINAL_ASSEMBLY));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(StrainScale(scene, p, ops->strain, ops->cut_part[0] ? ops->cut_part[0] : op->A, op->B));
+  if (!ops->cut_part[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatZeroEntries(op->A));
+  for (PetscInt k = 0; k < 2; k++)
+    PetscCall(MatAXPY(op->A, 1.0, ops->cut_part[k], SUBSET_NONZERO_PATTERN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OperatorsScaleViscosity - Computes the values of visc.A and visc.B for the present viscosities of
   particles
@@ -121,7 +141,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 
   PetscFunctionBegin;
   if (ops->strain) {
-    PetscCall(StrainScale(scene, p, ops->strain, op->A, op->B));
+    PetscCall(ScaleCells(scene, p, ops));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(SparseRowsGet(op->A, MAT_VALUES, &a));

@@ -426,6 +426,12 @@ PetscErrorCode SplineSurfaceTension(Flow *flow)
   PetscCall(StrainTensionMatrix(p, cells, &K));
   PetscCall(
       VelocityRowsDivide(p, mass, -flow->clock->dt * scene->tension / (scene->rho * scene->nu), K));
+  if (SceneViscosityVaries(scene) && p->dim == 2) {
+    PetscCall(PetscObjectReference((PetscObject)K));
+    flow->ops->cut_part[0] = visc->A;
+    flow->ops->cut_part[1] = K;
+    PetscCall(MatDuplicate(flow->ops->cut_part[0], MAT_COPY_VALUES, &visc->A));
+  }
   PetscCall(AddMatrix(K, &visc->A));
   PetscCall(MatDestroy(&K));
   PetscFunctionReturn(PETSC_SUCCESS);
