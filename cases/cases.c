@@ -28,12 +28,7 @@ CASES(DECLARE)
 static const CaseRow *const cases[]   = {CASES(ADDRESS)};
 const Table                 CaseTable = TABLE_OF_POINTERS("Cases", cases);
 
-const OptionRow CaseOption = {
-    .name     = "-case",
-    .kind     = VALUE_NAME,
-    .brief    = "flow or patch test to compute",
-    .standard = "cavity",
-    .table    = &CaseTable,
-};
+const OptionRow CaseOption =
+    OPTION(NAME, "-case", "flow or patch test to compute", NULL, "cavity", .table = &CaseTable);
 static const OptionRow *const options[]   = {&CaseOption};
 const OptionTable             CaseOptions = OPTIONS_ELSEWHERE("Case", options);

@@ -58,6 +58,13 @@ typedef struct {
   FileUse            file;     /* of VALUE_FILE */
 } OptionRow;
 
+/* A row: the kind without VALUE_, name, brief, unit and default; then other members by name. */
+#define OPTION(type, word, phrase, of, value, ...)                                                 \
+  {                                                                                                \
+    .name = word, .kind = VALUE_##type, .brief = phrase, .unit = of, .standard = value,            \
+    __VA_ARGS__                                                                                    \
+  }
+
 /* Bounds of ranges: OPTION_TINY stands for any positive number, OPTION_HUGE for no upper bound. */
 #define OPTION_TINY 1e-300
 #define OPTION_HUGE 1e300

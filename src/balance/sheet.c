@@ -24,76 +24,60 @@ const BalanceRow BalanceRows[BALANCES] = {
             .bound  = 0.01,
         },
     [BALANCE_MOMENTUM] =
-        {
-            .name   = "momentum_balance",
-            .brief  = "momentum of fluid that touches nothing, less the impulse of the body force",
-            .what   = "momentum not kept: fluid that touches nothing is accelerated",
-            .remedy = "try a larger -n or a smaller -dt",
-            .bound  = 0.05,
-        },
+        {.name   = "momentum_balance",
+         .brief  = "momentum of fluid that touches nothing, less the impulse of the body force",
+         .what   = "momentum not kept: fluid that touches nothing is accelerated",
+         .remedy = "try a larger -n or a smaller -dt",
+         .bound  = 0.05},
     [BALANCE_ANGULAR] =
-        {
-            .name   = "angular_balance",
-            .brief  = "angular momentum of fluid that touches nothing, less that of the body force",
-            .what   = "rotation not kept: fluid that touches nothing begins or ends to rotate",
-            .remedy = "try a larger -n or a smaller -dt",
-            .bound  = 0.05,
-        },
+        {.name   = "angular_balance",
+         .brief  = "angular momentum of fluid that touches nothing, less that of the body force",
+         .what   = "rotation not kept: fluid that touches nothing begins or ends to rotate",
+         .remedy = "try a larger -n or a smaller -dt",
+         .bound  = 0.05},
     [BALANCE_ENERGY] =
-        {
-            .name   = "energy_gain",
-            .brief  = "energy beyond that of start, forces and surface, over the largest given",
-            .what   = "energy not kept: the fluid had and dissipated more energy than start and "
-                      "forces gave",
-            .remedy = "try a larger -n or a smaller -dt",
-            .bound  = 0.1,
-        },
+        {.name   = "energy_gain",
+         .brief  = "energy beyond that of start, forces and surface, over the largest given",
+         .what   = "energy not kept: the fluid had and dissipated more energy than start and "
+                   "forces gave",
+         .remedy = "try a larger -n or a smaller -dt",
+         .bound  = 0.1},
     [BALANCE_FORCE] =
-        {
-            .name   = "force_balance",
-            .brief  = "sum of forces on boundaries, body force and inertia, over their magnitudes",
-            .what   = "momentum not kept: forces on boundaries do not balance",
-            .remedy = "try a larger -n",
-            .bound  = 0.1,
-        },
-    [BALANCE_TORQUE] =
-        {
-            .name   = "torque_balance",
-            .brief  = "sum of torques on boundaries, of body force and inertia, over their "
-                      "magnitudes",
-            .what   = "rotation not kept: torques on boundaries do not balance",
-            .remedy = "try a larger -n",
-            .bound  = 0.05,
-        },
+        {.name   = "force_balance",
+         .brief  = "sum of forces on boundaries, body force and inertia, over their magnitudes",
+         .what   = "momentum not kept: forces on boundaries do not balance",
+         .remedy = "try a larger -n",
+         .bound  = 0.1},
+    [BALANCE_TORQUE] = {.name = "torque_balance",
+                        .brief =
+                            "sum of torques on boundaries, of body force and inertia, over their "
+                            "magnitudes",
+                        .what   = "rotation not kept: torques on boundaries do not balance",
+                        .remedy = "try a larger -n",
+                        .bound  = 0.05},
     [BALANCE_SOLID] =
-        {
-            .name   = "fluid_in_solids",
-            .brief  = "particles of the fluid in solids beside bodies that move, the most in a "
-                      "step, over all",
-            .what   = "fluid not kept out of solids: surfaces that approach each other enclose "
-                      "particles",
-            .remedy = "leave a gap of 2 dx, or try a larger -n",
-            .bound  = 1e-9,
-        },
+        {.name   = "fluid_in_solids",
+         .brief  = "particles of the fluid in solids beside bodies that move, the most in a "
+                   "step, over all",
+         .what   = "fluid not kept out of solids: surfaces that approach each other enclose "
+                   "particles",
+         .remedy = "leave a gap of 2 dx, or try a larger -n",
+         .bound  = 1e-9},
     [BALANCE_SCALAR] =
-        {
-            .name   = "scalar_balance",
-            .brief  = "what scalars have gained, less what entered and sources made, over their "
-                      "range or amount",
-            .what   = "a scalar not kept: the fluid gains more or less of it than enters",
-            .remedy = "try a smaller -scalar_1_ksp_rtol",
-            .bound  = 1e-3,
-        },
+        {.name   = "scalar_balance",
+         .brief  = "what scalars have gained, less what entered and sources made, over their "
+                   "range or amount",
+         .what   = "a scalar not kept: the fluid gains more or less of it than enters",
+         .remedy = "try a smaller -scalar_1_ksp_rtol",
+         .bound  = 1e-3},
     [BALANCE_BOUNDS] =
-        {
-            .name   = "scalar_bounds",
-            .brief  = "values of scalars beyond those of start and boundaries, the most in a step, "
-                      "over the range of these",
-            .what   = "a scalar not within bounds: it has values that neither start nor boundaries "
-                      "have",
-            .remedy = "try a larger -n, a smaller -dt, or particles that move",
-            .bound  = 0.05,
-        },
+        {.name   = "scalar_bounds",
+         .brief  = "values of scalars beyond those of start and boundaries, the most in a step, "
+                   "over the range of these",
+         .what   = "a scalar not within bounds: it has values that neither start nor boundaries "
+                   "have",
+         .remedy = "try a larger -n, a smaller -dt, or particles that move",
+         .bound  = 0.05},
 };
 
 /* BalanceSet - Sets a row of the sheet, which applies from now on. Input: residual - of any sign,

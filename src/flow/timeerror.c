@@ -98,10 +98,8 @@ static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal l
 {
   const PetscReal change = PetscMax(SHRINKAGE, PetscPowReal(TARGET / ratio, 1.0 / order));
 
-  flow->scheme->failure = (StepFailure){
-      .code    = PETSC_ERR_NOT_CONVERGED,
-      .dt_next = PetscMax(least, change * flow->clock->dt),
-  };
+  flow->scheme->failure = (StepFailure){.code    = PETSC_ERR_NOT_CONVERGED,
+                                        .dt_next = PetscMax(least, change * flow->clock->dt)};
 }
 
 /*

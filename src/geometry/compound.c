@@ -350,34 +350,28 @@ static void PartsSpan(const Body *body, PetscInt axis, PetscReal span[2])
   }
 }
 
-static const ShapeRow compound_plane = {
-    .name     = "compound",
-    .brief    = "shapes with + - & between",
-    .plane    = PETSC_TRUE,
-    .Span     = BorderSpan,
-    .Distance = BorderDistance,
-    .Count    = BorderCount,
-    .Point    = BorderPoint,
-};
+static const ShapeRow compound_plane = {.name     = "compound",
+                                        .brief    = "shapes with + - & between",
+                                        .plane    = PETSC_TRUE,
+                                        .Span     = BorderSpan,
+                                        .Distance = BorderDistance,
+                                        .Count    = BorderCount,
+                                        .Point    = BorderPoint};
 
-static const ShapeRow compound_prism = {
-    .name     = "compound",
-    .brief    = "cylinders and prisms along z with + - & between",
-    .outline  = &compound_plane,
-    .Span     = PrismSpan,
-    .Distance = PrismDistance,
-    .Count    = PrismCount,
-    .Point    = PrismPoint,
-};
+static const ShapeRow compound_prism = {.name  = "compound",
+                                        .brief = "cylinders and prisms along z with + - & between",
+                                        .outline  = &compound_plane,
+                                        .Span     = PrismSpan,
+                                        .Distance = PrismDistance,
+                                        .Count    = PrismCount,
+                                        .Point    = PrismPoint};
 
-static const ShapeRow compound_solid = {
-    .name     = "compound",
-    .brief    = "shapes with + - & between",
-    .Span     = PartsSpan,
-    .Distance = PartsOfSolid,
-    .Count    = SolidCount,
-    .Point    = SolidPoint,
-};
+static const ShapeRow compound_solid = {.name     = "compound",
+                                        .brief    = "shapes with + - & between",
+                                        .Span     = PartsSpan,
+                                        .Distance = PartsOfSolid,
+                                        .Count    = SolidCount,
+                                        .Point    = SolidPoint};
 
 /* BodyCompound - Sets a body from parts that are combined in their order: added ('+'), cut away
    ('-'), or kept where both are ('&'). Output: fault - NULL, or a message about the parts. */

@@ -410,55 +410,47 @@ static PetscReal EllipsoidDistance(const Body *body, const PetscReal x[], PetscR
   return OvalDistance(3, body->parameter + 3, y, normal);
 }
 
-const ShapeRow ShapeEllipse = {
-    .name     = "ellipse",
-    .brief    = "cx,cy,a,b[,degrees]: half axes a along x and b, turned",
-    .plane    = PETSC_TRUE,
-    .fewest   = 4,
-    .most     = 5,
-    .Prepare  = EllipsePrepare,
-    .Span     = BorderSpan,
-    .Distance = EllipseDistance,
-    .Count    = BorderCount,
-    .Point    = BorderPoint,
-};
+const ShapeRow ShapeEllipse = {.name     = "ellipse",
+                               .brief    = "cx,cy,a,b[,degrees]: half axes a along x and b, turned",
+                               .plane    = PETSC_TRUE,
+                               .fewest   = 4,
+                               .most     = 5,
+                               .Prepare  = EllipsePrepare,
+                               .Span     = BorderSpan,
+                               .Distance = EllipseDistance,
+                               .Count    = BorderCount,
+                               .Point    = BorderPoint};
 
-const ShapeRow ShapeCapsule = {
-    .name     = "capsule",
-    .brief    = "x0,y0,x1,y1,r: all within r of a straight line",
-    .plane    = PETSC_TRUE,
-    .fewest   = 5,
-    .most     = 5,
-    .Prepare  = CapsulePrepare,
-    .Span     = BorderSpan,
-    .Distance = CapsuleDistance,
-    .Count    = BorderCount,
-    .Point    = BorderPoint,
-};
+const ShapeRow ShapeCapsule = {.name     = "capsule",
+                               .brief    = "x0,y0,x1,y1,r: all within r of a straight line",
+                               .plane    = PETSC_TRUE,
+                               .fewest   = 5,
+                               .most     = 5,
+                               .Prepare  = CapsulePrepare,
+                               .Span     = BorderSpan,
+                               .Distance = CapsuleDistance,
+                               .Count    = BorderCount,
+                               .Point    = BorderPoint};
 
-const ShapeRow ShapeEllipsoid = {
-    .name     = "ellipsoid",
-    .brief    = "cx,cy,cz,a,b,c: half axes a, b, c along x, y, z",
-    .fewest   = 6,
-    .most     = 6,
-    .Prepare  = OvalPrepare,
-    .Span     = OvalSpan,
-    .Distance = EllipsoidDistance,
-    .Count    = SolidCount,
-    .Point    = SolidPoint,
-};
+const ShapeRow ShapeEllipsoid = {.name     = "ellipsoid",
+                                 .brief    = "cx,cy,cz,a,b,c: half axes a, b, c along x, y, z",
+                                 .fewest   = 6,
+                                 .most     = 6,
+                                 .Prepare  = OvalPrepare,
+                                 .Span     = OvalSpan,
+                                 .Distance = EllipsoidDistance,
+                                 .Count    = SolidCount,
+                                 .Point    = SolidPoint};
 
-const ShapeRow ShapeRounded = {
-    .name     = "capsule",
-    .brief    = "x0,y0,z0,x1,y1,z1,r: all within r of a straight line",
-    .fewest   = 7,
-    .most     = 7,
-    .Prepare  = RoundedPrepare,
-    .Span     = RingsSpan,
-    .Distance = RoundedDistance,
-    .Count    = SolidCount,
-    .Point    = SolidPoint,
-};
+const ShapeRow ShapeRounded = {.name     = "capsule",
+                               .brief    = "x0,y0,z0,x1,y1,z1,r: all within r of a straight line",
+                               .fewest   = 7,
+                               .most     = 7,
+                               .Prepare  = RoundedPrepare,
+                               .Span     = RingsSpan,
+                               .Distance = RoundedDistance,
+                               .Count    = SolidCount,
+                               .Point    = SolidPoint};
 
 const ShapeRow ShapeCone = {
     .name     = "cone",

@@ -208,41 +208,35 @@ static PetscReal PolygonPoint(const Body *body, PetscInt k, PetscReal dx, PetscR
   return length / n;
 }
 
-const ShapeRow ShapeCircle = {
-    .name     = "circle",
-    .brief    = "cx,cy,r",
-    .plane    = PETSC_TRUE,
-    .fewest   = 3,
-    .most     = 3,
-    .round    = PETSC_TRUE,
-    .Prepare  = CirclePrepare,
-    .Span     = CircleSpan,
-    .Distance = CircleDistance,
-    .Count    = CircleCount,
-    .Point    = CirclePoint,
-};
+const ShapeRow ShapeCircle = {.name     = "circle",
+                              .brief    = "cx,cy,r",
+                              .plane    = PETSC_TRUE,
+                              .fewest   = 3,
+                              .most     = 3,
+                              .round    = PETSC_TRUE,
+                              .Prepare  = CirclePrepare,
+                              .Span     = CircleSpan,
+                              .Distance = CircleDistance,
+                              .Count    = CircleCount,
+                              .Point    = CirclePoint};
 
-const ShapeRow ShapeBox = {
-    .name     = "box",
-    .brief    = "x0,y0,x1,y1: two opposite corners",
-    .plane    = PETSC_TRUE,
-    .fewest   = 4,
-    .most     = 4,
-    .Prepare  = ShapeBoxPrepare,
-    .Span     = PolygonSpan,
-    .Distance = PolygonDistance,
-    .Count    = PolygonCount,
-    .Point    = PolygonPoint,
-};
+const ShapeRow ShapeBox = {.name     = "box",
+                           .brief    = "x0,y0,x1,y1: two opposite corners",
+                           .plane    = PETSC_TRUE,
+                           .fewest   = 4,
+                           .most     = 4,
+                           .Prepare  = ShapeBoxPrepare,
+                           .Span     = PolygonSpan,
+                           .Distance = PolygonDistance,
+                           .Count    = PolygonCount,
+                           .Point    = PolygonPoint};
 
-const ShapeRow ShapePolygon = {
-    .name     = "polygon",
-    .brief    = "x0,y0,x1,y1,...: 3 or more corners in order",
-    .plane    = PETSC_TRUE,
-    .fewest   = 6,
-    .Prepare  = PolygonPrepare,
-    .Span     = PolygonSpan,
-    .Distance = PolygonDistance,
-    .Count    = PolygonCount,
-    .Point    = PolygonPoint,
-};
+const ShapeRow ShapePolygon = {.name     = "polygon",
+                               .brief    = "x0,y0,x1,y1,...: 3 or more corners in order",
+                               .plane    = PETSC_TRUE,
+                               .fewest   = 6,
+                               .Prepare  = PolygonPrepare,
+                               .Span     = PolygonSpan,
+                               .Distance = PolygonDistance,
+                               .Count    = PolygonCount,
+                               .Point    = PolygonPoint};

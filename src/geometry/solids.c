@@ -325,32 +325,28 @@ const ShapeRow ShapeRevolved = {
     .Point    = RevolvedPoint,
 };
 
-const ShapeRow ShapeBall = {
-    .name     = "ball",
-    .brief    = "cx,cy,cz,r",
-    .fewest   = 4,
-    .most     = 4,
-    .round    = PETSC_TRUE,
-    .Prepare  = BallPrepare,
-    .Span     = BallSpan,
-    .Distance = BallDistance,
-    .Count    = BallCount,
-    .Point    = BallPoint,
-};
+const ShapeRow ShapeBall = {.name     = "ball",
+                            .brief    = "cx,cy,cz,r",
+                            .fewest   = 4,
+                            .most     = 4,
+                            .round    = PETSC_TRUE,
+                            .Prepare  = BallPrepare,
+                            .Span     = BallSpan,
+                            .Distance = BallDistance,
+                            .Count    = BallCount,
+                            .Point    = BallPoint};
 
-const ShapeRow ShapeCuboid = {
-    .name     = "box",
-    .brief    = "x0,y0,z0,x1,y1,z1: two opposite corners",
-    .fewest   = 6,
-    .most     = 6,
-    .outline  = &ShapePolygon,
-    .ends     = PETSC_TRUE,
-    .Prepare  = BoxPrepare,
-    .Span     = PrismSpan,
-    .Distance = BoxDistance,
-    .Count    = BoxCount,
-    .Point    = BoxPoint,
-};
+const ShapeRow ShapeCuboid = {.name     = "box",
+                              .brief    = "x0,y0,z0,x1,y1,z1: two opposite corners",
+                              .fewest   = 6,
+                              .most     = 6,
+                              .outline  = &ShapePolygon,
+                              .ends     = PETSC_TRUE,
+                              .Prepare  = BoxPrepare,
+                              .Span     = PrismSpan,
+                              .Distance = BoxDistance,
+                              .Count    = BoxCount,
+                              .Point    = BoxPoint};
 
 const ShapeRow ShapeCylinder = {
     .name     = "cylinder",

@@ -19,14 +19,8 @@ static const ProgressRow progresses[] = {
 const Table ProgressTable = TABLE("Progress", progresses);
 
 static const OptionRow options[] = {
-    {
-        .name     = "-progress",
-        .kind     = VALUE_NAME,
-        .brief    = "lines on the progress of the run",
-        .standard = "line",
-        .table    = &ProgressTable,
-        .where    = "flows",
-    },
+    OPTION(NAME, "-progress", "lines on the progress of the run", NULL, "line",
+           .table = &ProgressTable, .where = "flows"),
 };
 const OptionTable ProgressOptions = OPTIONS("Progress", options);
 

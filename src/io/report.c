@@ -6,23 +6,12 @@
 
 enum { REPORT, CHECK };
 static const OptionRow options[] = {
-    [REPORT] =
-        {
-            .name  = "-report",
-            .kind  = VALUE_FILE,
-            .file  = FILE_WRITTEN,
-            .brief = "CSV file to which errors and cost of the run are appended",
-        },
-    [CHECK] =
-        {
-            .name  = "-check_<quantity>",
-            .kind  = VALUE_REAL,
-            .brief = "largest relative error allowed for a reported quantity, as in -check_u_min; "
-                     "a larger error gives an exit status other than 0",
-            .unit  = "-",
-            NOT_NEGATIVE,
-            .late = PETSC_TRUE,
-        },
+    [REPORT] = OPTION(FILE, "-report", "CSV file to which errors and cost of the run are appended",
+                      NULL, NULL, .file = FILE_WRITTEN),
+    [CHECK]  = OPTION(REAL, "-check_<quantity>",
+                      "largest relative error allowed for a reported quantity, as in -check_u_min; "
+                       "a larger error gives an exit status other than 0",
+                      "-", NULL, NOT_NEGATIVE, .late = PETSC_TRUE),
 };
 const OptionTable ReportOptions = OPTIONS("Report", options);
 

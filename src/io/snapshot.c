@@ -10,33 +10,17 @@
 
 enum { OUTPUT, OUTPUT_EVERY, SCENE_VIEW };
 static const OptionRow options[] = {
-    [OUTPUT] =
-        {
-            .name  = "-output",
-            .kind  = VALUE_FILE,
-            .brief = "snapshots for ParaView: file.h5 gives file_0000.h5, file_0001.h5, ... and "
-                     "their index file.xdmf",
-            .where = "flows",
-        },
+    [OUTPUT] = OPTION(FILE, "-output",
+                      "snapshots for ParaView: file.h5 gives file_0000.h5, file_0001.h5, ... and "
+                      "their index file.xdmf",
+                      NULL, NULL, .where = "flows"),
     [OUTPUT_EVERY] =
-        {
-            .name     = "-output_every",
-            .kind     = VALUE_REAL,
-            .brief    = "snapshots at each multiple of this time, where steps end",
-            .unit     = "s",
-            .standard = "start and end only",
-            POSITIVE,
-            .where = "flows",
-        },
-    [SCENE_VIEW] =
-        {
-            .name  = "-scene_view",
-            .kind  = VALUE_FILE,
-            .brief = "writes the sides of the box and the bodies at t = 0 to a file for ParaView, "
-                     "scene.vtp, and computes nothing",
-            .where = "flows",
-            .file  = FILE_WRITTEN,
-        },
+        OPTION(REAL, "-output_every", "snapshots at each multiple of this time, where steps end",
+               "s", "start and end only", POSITIVE, .where = "flows"),
+    [SCENE_VIEW] = OPTION(FILE, "-scene_view",
+                          "writes the sides of the box and the bodies at t = 0 to a file for "
+                          "ParaView, scene.vtp, and computes nothing",
+                          NULL, NULL, .where = "flows", .file = FILE_WRITTEN),
 };
 const OptionTable SnapshotOptions = OPTIONS("Snapshots", options);
 

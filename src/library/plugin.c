@@ -6,13 +6,10 @@
 #include <string.h>
 
 static const OptionRow options[] = {
-    {
-        .name  = "-library",
-        .kind  = VALUE_FILE,
-        .file  = FILE_BEGINNING,
-        .brief = "shared objects, separated by commas, with own forms, rheologies, cases, shapes, "
-                 "kernels or functions of expressions",
-    },
+    OPTION(FILE, "-library",
+           "shared objects, separated by commas, with own forms, rheologies, cases, shapes, "
+           "kernels or functions of expressions",
+           NULL, NULL, .file = FILE_BEGINNING),
 };
 const OptionTable PluginOptions = OPTIONS("Plug-ins", options);
 

@@ -55,11 +55,7 @@ static PetscErrorCode WriteVolume(const Flow *flow, Monitor *monitor)
 }
 
 const MonitorKind MonitorVolume = {
-    .name    = "volume",
-    .header  = "volume,error",
-    .Prepare = PrepareVolume,
-    .Write   = WriteVolume,
-};
+    .name = "volume", .header = "volume,error", .Prepare = PrepareVolume, .Write = WriteVolume};
 
 /* Adds volume, first moments, momentum and angular momentum of own particles to the sums, over the
    density; extends [-x_min, x_max, -y_min, ...] of the fluid without isolated particles. */

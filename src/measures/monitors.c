@@ -9,75 +9,31 @@
 enum { POINT, LINE, FLUX, FORCES, BODIES, VOLUME, EVERY, BASE };
 static const OptionRow options[] = {
     [POINT] =
-        {
-            .name  = "-probe_point",
-            .kind  = VALUE_REALS,
-            .brief = "velocity and pressure at points: x,y[,z] of each point",
-            .unit  = "m",
-            .where = "flows",
-        },
+        OPTION(REALS, "-probe_point", "velocity and pressure at points: x,y[,z] of each point", "m",
+               NULL, .where = "flows"),
     [LINE] =
-        {
-            .name  = "-probe_line",
-            .kind  = VALUE_REALS,
-            .brief = "velocity and pressure along lines: both ends and the number of points of "
-                     "each line",
-            .unit  = "m",
-            .where = "flows",
-        },
-    [FLUX] =
-        {
-            .name  = "-probe_flux",
-            .kind  = VALUE_REALS,
-            .brief = "flux through sections: both ends of each section; in 3D a corner and the two "
-                     "corners beside it",
-            .unit  = "m",
-            .where = "flows",
-        },
-    [FORCES] =
-        {
-            .name     = "-probe_forces",
-            .kind     = VALUE_SWITCH,
-            .brief    = "forces and torques of the fluid on each wall",
-            .standard = "false",
-            .where    = "flows",
-        },
-    [BODIES] =
-        {
-            .name     = "-probe_bodies",
-            .kind     = VALUE_SWITCH,
-            .brief    = "place, attitude and motion of each body; force and torque of the fluid on "
-                        "it, their power and their error bars",
-            .standard = "false",
-            .where    = "flows with bodies",
-        },
-    [VOLUME] =
-        {
-            .name     = "-probe_volume",
-            .kind     = VALUE_SWITCH,
-            .brief    = "volume inside the free surface, and its error",
-            .standard = "false",
-            .where    = "flows with a free surface",
-        },
-    [EVERY] =
-        {
-            .name     = "-probe_every",
-            .kind     = VALUE_REAL,
-            .brief    = "rows after the first step at or past each multiple of this time, with the "
-                        "time of the step; 0: after every step; steps do not change",
-            .unit     = "s",
-            .standard = "0",
-            NOT_NEGATIVE,
-            .where = "flows with a probe",
-        },
-    [BASE] =
-        {
-            .name     = "-probe_output",
-            .kind     = VALUE_FILE,
-            .brief    = "beginning of the names of files: base_point.csv, base_line.csv, ...",
-            .standard = "probe",
-            .where    = "flows with a probe",
-        },
+        OPTION(REALS, "-probe_line",
+               "velocity and pressure along lines: both ends and the number of points of each line",
+               "m", NULL, .where = "flows"),
+    [FLUX]   = OPTION(REALS, "-probe_flux",
+                      "flux through sections: both ends of each section; in 3D a corner and the two "
+                        "corners beside it",
+                      "m", NULL, .where = "flows"),
+    [FORCES] = OPTION(SWITCH, "-probe_forces", "forces and torques of the fluid on each wall", NULL,
+                      "false", .where = "flows"),
+    [BODIES] = OPTION(SWITCH, "-probe_bodies",
+                      "place, attitude and motion of each body; force and torque of the fluid on "
+                      "it, their power and their error bars",
+                      NULL, "false", .where = "flows with bodies"),
+    [VOLUME] = OPTION(SWITCH, "-probe_volume", "volume inside the free surface, and its error",
+                      NULL, "false", .where = "flows with a free surface"),
+    [EVERY]  = OPTION(REAL, "-probe_every",
+                      "rows after the first step at or past each multiple of this time, with the "
+                       "time of the step; 0: after every step; steps do not change",
+                      "s", "0", NOT_NEGATIVE, .where = "flows with a probe"),
+    [BASE]   = OPTION(FILE, "-probe_output",
+                      "beginning of the names of files: base_point.csv, base_line.csv, ...", NULL,
+                      "probe", .where = "flows with a probe"),
 };
 const OptionTable MonitorOptions = OPTIONS("Probes", options);
 

@@ -155,9 +155,7 @@ static PetscErrorCode Read(const char option[], const char text[], Body *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const ShapeRow ShapeOutlines = {
-    .name  = "file",
-    .brief = "path[,scale]: outlines of a CSV (lines x,y) or WKT file",
-    .plane = PETSC_TRUE,
-    .Read  = Read,
-};
+const ShapeRow ShapeOutlines = {.name  = "file",
+                                .brief = "path[,scale]: outlines of a CSV (lines x,y) or WKT file",
+                                .plane = PETSC_TRUE,
+                                .Read  = Read};

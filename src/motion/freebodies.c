@@ -532,11 +532,9 @@ static PetscBool HasFreeBodies(const Flow *flow)
   return flow->state->bodies ? PETSC_TRUE : PETSC_FALSE;
 }
 
-const Judge JudgeBodies = {
-    .name    = "bodies",
-    .brief   = "solves are repeated until Newton's law of free bodies holds",
-    .Applies = HasFreeBodies,
-    .again   = AGAIN_SOLVES,
-    .Decide  = DecideBodies,
-    .Treat   = TreatBodies,
-};
+const Judge JudgeBodies = {.name    = "bodies",
+                           .brief   = "solves are repeated until Newton's law of free bodies holds",
+                           .Applies = HasFreeBodies,
+                           .again   = AGAIN_SOLVES,
+                           .Decide  = DecideBodies,
+                           .Treat   = TreatBodies};

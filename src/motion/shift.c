@@ -56,30 +56,14 @@ const Table ShiftTable = TABLE("Particle shifting", shifts);
 
 enum { SHIFT, SHIFT_STRENGTH, VELOCITY_FILTER };
 static const OptionRow options[] = {
-    [SHIFT]           = {.name     = "-shift",
-                         .kind     = VALUE_NAME,
-                         .brief    = "particle shifting",
-                         .standard = REGIME,
-                         .table    = &ShiftTable,
-                         .where    = "flows whose particles move"},
-    [SHIFT_STRENGTH]  = {.name     = "-shift_strength",
-                         .expert   = PETSC_TRUE,
-                         .kind     = VALUE_REAL,
-                         .brief    = "factor of the diffusivity of -shift",
-                         .unit     = "-",
-                         .standard = REGIME,
-                         .low      = 1e-3,
-                         .high     = 100.0,
-                         .where    = "flows whose particles are shifted"},
-    [VELOCITY_FILTER] = {.name     = "-velocity_filter",
-                         .expert   = PETSC_TRUE,
-                         .kind     = VALUE_REAL,
-                         .brief    = "strength of the grid-scale filter of velocities; 0: off",
-                         .unit     = "-",
-                         .standard = REGIME,
-                         .low      = 0.0,
-                         .high     = 8.0,
-                         .where    = "flows with convection"},
+    [SHIFT] = OPTION(NAME, "-shift", "particle shifting", NULL, REGIME, .table = &ShiftTable,
+                     .where = "flows whose particles move"),
+    [SHIFT_STRENGTH]  = OPTION(REAL, "-shift_strength", "factor of the diffusivity of -shift", "-",
+                               REGIME, .expert = PETSC_TRUE, .low = 1e-3, .high = 100.0,
+                               .where = "flows whose particles are shifted"),
+    [VELOCITY_FILTER] = OPTION(
+        REAL, "-velocity_filter", "strength of the grid-scale filter of velocities; 0: off", "-",
+        REGIME, .expert = PETSC_TRUE, .low = 0.0, .high = 8.0, .where = "flows with convection"),
 };
 const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
 

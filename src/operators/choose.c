@@ -21,113 +21,41 @@ enum {
 };
 static const OptionRow options[] = {
     [KERNEL] =
-        {
-            .name     = "-kernel",
-            .kind     = VALUE_NAME,
-            .brief    = "smoothing kernel",
-            .standard = "wendland_c2",
-            .table    = &KernelTable,
-        },
+        OPTION(NAME, "-kernel", "smoothing kernel", NULL, "wendland_c2", .table = &KernelTable),
     [MLS_DEGREE] =
-        {
-            .name  = "-mls_degree",
-            .kind  = VALUE_INT,
-            .brief = "degree of the polynomials of least-squares fits, in all operators named mls",
-            .unit  = "-",
-            .standard = "2",
-            .low      = 2,
-            .high     = MLS_MAX_DEGREE,
-        },
-    [SURFACE_DEGREE] =
-        {
-            .name   = "-surface_degree",
-            .expert = PETSC_TRUE,
-            .kind   = VALUE_INT,
-            .brief  = "degree of the fits of viscous term and divergence of particles below a free "
-                      "surface; 3 makes the errors of small waves smaller",
-            .unit   = "-",
-            .standard = "2",
-            .low      = 2,
-            .high     = 3,
-            .where    = "flows with a free surface in 2D",
-        },
-    [H_OVER_DX] =
-        {
-            .name     = "-h_over_dx",
-            .kind     = VALUE_REAL,
-            .brief    = "smoothing length over particle spacing",
-            .unit     = "-",
-            .standard = REGIME,
-            .low      = 0.8,
-            .high     = 4.0,
-        },
-    [CORRECTION] =
-        {
-            .name     = "-correction",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_NAME,
-            .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
-                        "-scheme wcsph",
-            .standard = REGIME,
-            .table    = &CorrectionTable,
-        },
-    [VISC_LAPLACIAN] =
-        {
-            .name     = "-visc_laplacian",
-            .kind     = VALUE_NAME,
-            .brief    = "form of the viscous term",
-            .standard = REGIME,
-            .table    = &LaplacianTable,
-            .where    = "runs with viscosity",
-        },
-    [CLEARY_XI] =
-        {
-            .name     = "-cleary_xi",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "factor xi of the form cleary; published are 4.96333 and 4.24",
-            .unit     = "-",
-            .standard = "dimension + 2",
-            POSITIVE,
-            .where = "-visc_laplacian cleary",
-        },
+        OPTION(INT, "-mls_degree",
+               "degree of the polynomials of least-squares fits, in all operators named mls", "-",
+               "2", .low = 2, .high = MLS_MAX_DEGREE),
+    [SURFACE_DEGREE] = OPTION(INT, "-surface_degree",
+                              "degree of the fits of viscous term and divergence of particles "
+                              "below a free surface; 3 makes the errors of small waves smaller",
+                              "-", "2", .expert = PETSC_TRUE, .low = 2, .high = 3,
+                              .where = "flows with a free surface in 2D"),
+    [H_OVER_DX]  = OPTION(REAL, "-h_over_dx", "smoothing length over particle spacing", "-", REGIME,
+                          .low = 0.8, .high = 4.0),
+    [CORRECTION] = OPTION(
+        NAME, "-correction",
+        "correction of the kernel in Laplacians that accept it, and in all sums of -scheme wcsph",
+        NULL, REGIME, .expert = PETSC_TRUE, .table = &CorrectionTable),
+    [VISC_LAPLACIAN] = OPTION(NAME, "-visc_laplacian", "form of the viscous term", NULL, REGIME,
+                              .table = &LaplacianTable, .where = "runs with viscosity"),
+    [CLEARY_XI]      = OPTION(
+             REAL, "-cleary_xi", "factor xi of the form cleary; published are 4.96333 and 4.24", "-",
+             "dimension + 2", .expert = PETSC_TRUE, POSITIVE, .where = "-visc_laplacian cleary"),
     [PPE_LAPLACIAN] =
-        {
-            .name     = "-ppe_laplacian",
-            .kind     = VALUE_NAME,
-            .brief    = "form of the Laplacian in the pressure Poisson equation",
-            .standard = "mls",
-            .table    = &LaplacianTable,
-            .where    = "flows with pressure, except -pressure_points coarse",
-        },
-    [GRADIENT] =
-        {
-            .name     = "-gradient",
-            .kind     = VALUE_NAME,
-            .brief    = "form of gradients and divergences",
-            .standard = "mls",
-            .table    = &GradientTable,
-            .where    = "flows with pressure, or convection on fixed particles",
-        },
-    [WALL] =
-        {
-            .name     = "-wall",
-            .kind     = VALUE_NAME,
-            .brief    = "wall treatment",
-            .standard = REGIME,
-            .table    = &WallTable,
-            .where    = "flows with walls",
-        },
-    [WALL_SURFACE] =
-        {
-            .name     = "-wall_surface",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_SWITCH,
-            .brief    = "a layer of particles on the walls, before the layers behind them, which "
-                        "alone leave a gap at curved walls",
-            .standard = "true with bodies, if -wall has particles behind walls",
-            .where    = "flows with walls",
-        },
+        OPTION(NAME, "-ppe_laplacian", "form of the Laplacian in the pressure Poisson equation",
+               NULL, "mls", .table = &LaplacianTable,
+               .where = "flows with pressure, except -pressure_points coarse"),
+    [GRADIENT]     = OPTION(NAME, "-gradient", "form of gradients and divergences", NULL, "mls",
+                            .table = &GradientTable,
+                            .where = "flows with pressure, or convection on fixed particles"),
+    [WALL]         = OPTION(NAME, "-wall", "wall treatment", NULL, REGIME, .table = &WallTable,
+                            .where = "flows with walls"),
+    [WALL_SURFACE] = OPTION(SWITCH, "-wall_surface",
+                            "a layer of particles on the walls, before the layers behind them, "
+                            "which alone leave a gap at curved walls",
+                            NULL, "true with bodies, if -wall has particles behind walls",
+                            .expert = PETSC_TRUE, .where = "flows with walls"),
 };
 const OptionTable OperatorOptions = OPTIONS("Operators", options);
 

@@ -10,64 +10,30 @@ static const char *const LogFormats[] = {":file", ":file:ascii_info_detail", ":f
                                          ":file:ascii_flamegraph", NULL};
 
 static const OptionRow options[] = {
-    {
-        .name  = "-help",
-        .kind  = VALUE_WORD,
-        .brief = "list all options of isph and end; -help WORD searches them, -help "
-                 "petsc adds PETSc's for the chosen solvers; also -h and --help",
-    },
-    {
-        .name  = "-version",
-        .kind  = VALUE_NOTHING,
-        .brief = "print the versions of isph and of its libraries, and end; also --version",
-    },
-    {
-        .name  = "-catalogue",
-        .kind  = VALUE_NOTHING,
-        .brief = "list all rows that can be chosen by name, with their papers, and end: cases, "
-                 "operators, walls, schemes, integrators",
-    },
-    {
-        .name  = "-options_reference",
-        .kind  = VALUE_NOTHING,
-        .brief = "print the reference page of all options in Markdown, and end",
-    },
-    {
-        .name  = "-options_file",
-        .kind  = VALUE_FILE,
-        .brief = "file with more options, each in a line of its own; # begins a comment; may be "
-                 "given several times",
-        .early = PETSC_TRUE,
-    },
-    {
-        .name  = "-skip_petscrc",
-        .kind  = VALUE_SWITCH,
-        .brief = "read no options from ~/.petscrc, .petscrc and petscrc",
-        .where = "the command line",
-        .early = PETSC_TRUE,
-    },
-    {
-        .name  = "-options_left",
-        .kind  = VALUE_SWITCH,
-        .brief = "print options that PETSc has not used",
-        .early = PETSC_TRUE,
-        .late  = PETSC_TRUE,
-    },
-    {
-        .name  = "-options_view",
-        .kind  = VALUE_SWITCH,
-        .brief = "print all options in force",
-        .early = PETSC_TRUE,
-        .late  = PETSC_TRUE,
-    },
-    {
-        .name  = "-log_view",
-        .kind  = VALUE_VIEWER,
-        .brief = "print time and memory of all parts of the run",
-        .words = LogFormats,
-        .early = PETSC_TRUE,
-        .late  = PETSC_TRUE,
-    },
+    OPTION(WORD, "-help",
+           "list all options of isph and end; -help WORD searches them, -help petsc adds PETSc's "
+           "for the chosen solvers; also -h and --help",
+           NULL, NULL),
+    OPTION(NOTHING, "-version",
+           "print the versions of isph and of its libraries, and end; also --version", NULL, NULL),
+    OPTION(NOTHING, "-catalogue",
+           "list all rows that can be chosen by name, with their papers, and end: cases, "
+           "operators, walls, schemes, integrators",
+           NULL, NULL),
+    OPTION(NOTHING, "-options_reference",
+           "print the reference page of all options in Markdown, and end", NULL, NULL),
+    OPTION(FILE, "-options_file",
+           "file with more options, each in a line of its own; # begins a comment; may be given "
+           "several times",
+           NULL, NULL, .early = PETSC_TRUE),
+    OPTION(SWITCH, "-skip_petscrc", "read no options from ~/.petscrc, .petscrc and petscrc", NULL,
+           NULL, .where = "the command line", .early = PETSC_TRUE),
+    OPTION(SWITCH, "-options_left", "print options that PETSc has not used", NULL, NULL,
+           .early = PETSC_TRUE, .late = PETSC_TRUE),
+    OPTION(SWITCH, "-options_view", "print all options in force", NULL, NULL, .early = PETSC_TRUE,
+           .late = PETSC_TRUE),
+    OPTION(VIEWER, "-log_view", "print time and memory of all parts of the run", NULL, NULL,
+           .words = LogFormats, .early = PETSC_TRUE, .late = PETSC_TRUE),
 };
 const OptionTable ProgramOptions = OPTIONS("Program", options);
 

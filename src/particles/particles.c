@@ -6,18 +6,10 @@
 #include "impl.h"
 
 static const OptionRow options[] = {
-    {
-        .name     = "-skin",
-        .expert   = PETSC_TRUE,
-        .kind     = VALUE_REAL,
-        .brief    = "width of the halo beyond the interaction radius; an epoch ends when "
-                    "displacements have used "
-                    "it up",
-        .unit     = "dx",
-        .standard = "4",
-        .low      = 0.0,
-        .high     = 100.0,
-    },
+    OPTION(REAL, "-skin",
+           "width of the halo beyond the interaction radius; an epoch ends when displacements have "
+           "used it up",
+           "dx", "4", .expert = PETSC_TRUE, .low = 0.0, .high = 100.0),
 };
 const OptionTable ParticleOptions = OPTIONS("Particles", options);
 

@@ -37,42 +37,17 @@ static PetscErrorCode PatchBanner(const Patch *patch)
 
 enum { FIELD, REPEATS, SPECTRUM, SOLVE };
 static const OptionRow options[] = {
-    [FIELD] =
-        {
-            .name     = "-patch_field",
-            .kind     = VALUE_NAME,
-            .brief    = "field that the operators are applied to",
-            .standard = "mixed",
-            .table    = &FieldTable,
-            .where    = "-case patch",
-        },
+    [FIELD] = OPTION(NAME, "-patch_field", "field that the operators are applied to", NULL, "mixed",
+                     .table = &FieldTable, .where = "-case patch"),
     [REPEATS] =
-        {
-            .name     = "-patch_repeats",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_INT,
-            .brief    = "repetitions of timed work; the least time is reported",
-            .standard = "3",
-            .low      = 1,
-            .high     = 1000,
-            .where    = "-case patch",
-        },
+        OPTION(INT, "-patch_repeats", "repetitions of timed work; the least time is reported", NULL,
+               "3", .expert = PETSC_TRUE, .low = 1, .high = 1000, .where = "-case patch"),
     [SPECTRUM] =
-        {
-            .name     = "-patch_spectrum",
-            .kind     = VALUE_SWITCH,
-            .brief    = "report eigenvalues and the condition number of -L",
-            .standard = "false",
-            .where    = "-case patch",
-        },
-    [SOLVE] =
-        {
-            .name     = "-patch_solve",
-            .kind     = VALUE_SWITCH,
-            .brief    = "solve a Poisson problem with L, by the solver with prefix ppe_",
-            .standard = "false",
-            .where    = "-case patch",
-        },
+        OPTION(SWITCH, "-patch_spectrum", "report eigenvalues and the condition number of -L", NULL,
+               "false", .where = "-case patch"),
+    [SOLVE] = OPTION(SWITCH, "-patch_solve",
+                     "solve a Poisson problem with L, by the solver with prefix ppe_", NULL,
+                     "false", .where = "-case patch"),
 };
 const OptionTable PatchOptions = OPTIONS("Patch test", options);
 

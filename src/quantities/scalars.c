@@ -5,81 +5,40 @@
 
 enum { NAME, START, DIFFUSIVITY, SOURCE, EXACT, VALUE, FLUX, EXCHANGE };
 static const OptionRow options[] = {
-    [NAME] =
-        {
-            .name  = "-scene_scalar_<k>_name",
-            .kind  = VALUE_WORD,
-            .brief = "name of scalar 1, 2, ... that the fluid carries, such as T: expressions, "
-                     "files and the report have it",
-            .where = "-case scene",
-        },
-    [START] =
-        {
-            .name     = "-scene_scalar_<k>_start",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "values of a scalar at the start, of x, y[, z]",
-            .standard = "-scene_scalar_<k>_exact at t = 0, or 0",
-            .where    = "-case scene, scalars that have a name",
-        },
-    [DIFFUSIVITY] =
-        {
-            .name     = "-scene_scalar_<k>_diffusivity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "diffusivity of a scalar, of x, y[, z], t and the scalars; one for all "
-                        "fluids, or one of each fluid 0, 1, ...",
-            .unit     = "m^2/s",
-            .standard = "0: particles carry it exactly",
-            .where    = "-case scene, scalars that have a name",
-        },
+    [NAME]        = OPTION(WORD, "-scene_scalar_<k>_name",
+                           "name of scalar 1, 2, ... that the fluid carries, such as T: expressions, "
+                                  "files and the report have it",
+                           NULL, NULL, .where = "-case scene"),
+    [START]       = OPTION(EXPRESSION, "-scene_scalar_<k>_start",
+                           "values of a scalar at the start, of x, y[, z]", NULL,
+                           "-scene_scalar_<k>_exact at t = 0, or 0",
+                           .where = "-case scene, scalars that have a name"),
+    [DIFFUSIVITY] = OPTION(EXPRESSION, "-scene_scalar_<k>_diffusivity",
+                           "diffusivity of a scalar, of x, y[, z], t and the scalars; one for all "
+                           "fluids, or one of each fluid 0, 1, ...",
+                           "m^2/s", "0: particles carry it exactly",
+                           .where = "-case scene, scalars that have a name"),
     [SOURCE] =
-        {
-            .name = "-scene_scalar_<k>_source",
-            .kind = VALUE_EXPRESSION,
-            .brief =
-                "source of a scalar per time, of x, y[, z], t, the scalars and the strain rate "
-                "g = sqrt(2 E:E): nu*g^2/cp heats by friction; one for all fluids, or one of each",
-            .unit     = "1/s",
-            .standard = "0",
-            .where    = "-case scene, scalars that have a name",
-        },
-    [EXACT] =
-        {
-            .name  = "-scene_scalar_<k>_exact",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "reference solution of a scalar, of x, y[, z], t: errors are reported",
-            .where = "-case scene, scalars that have a name",
-        },
+        OPTION(EXPRESSION, "-scene_scalar_<k>_source",
+               "source of a scalar per time, of x, y[, z], t, the scalars and the strain rate g = "
+               "sqrt(2 E:E): nu*g^2/cp heats by friction; one for all fluids, or one of each",
+               "1/s", "0", .where = "-case scene, scalars that have a name"),
+    [EXACT] = OPTION(EXPRESSION, "-scene_scalar_<k>_exact",
+                     "reference solution of a scalar, of x, y[, z], t: errors are reported", NULL,
+                     NULL, .where = "-case scene, scalars that have a name"),
     [VALUE] =
-        {
-            .name  = "-scene_scalar_<k>_value",
-            .kind  = VALUE_WORD,
-            .brief = "values at boundaries, of x, y[, z], t, as \"left: 1; body_1: sin(t)\"; the "
-                     "place walls stands for all boundaries",
-            .standard = "no boundary gives one",
-            .where    = "-case scene, scalars that have a name",
-        },
-    [FLUX] =
-        {
-            .name = "-scene_scalar_<k>_flux",
-            .kind = VALUE_WORD,
-            .brief =
-                "flux through boundaries into the fluid, D n.grad c, n out of the fluid, of x, "
-                "y[, z], t, as \"bottom: 0.1\"",
-            .unit     = "m/s",
-            .standard = "0",
-            .where    = "-case scene, scalars that have a name",
-        },
-    [EXCHANGE] =
-        {
-            .name = "-scene_scalar_<k>_exchange",
-            .kind = VALUE_WORD,
-            .brief =
-                "exchange through boundaries, D n.grad c = h (c_outside - c): h and c_outside, "
-                "of x, y[, z], t, as \"top: 0.5,20\"",
-            .unit     = "m/s",
-            .standard = "0",
-            .where    = "-case scene, scalars that have a name",
-        },
+        OPTION(WORD, "-scene_scalar_<k>_value",
+               "values at boundaries, of x, y[, z], t, as \"left: 1; body_1: sin(t)\"; the place "
+               "walls stands for all boundaries",
+               NULL, "no boundary gives one", .where = "-case scene, scalars that have a name"),
+    [FLUX]     = OPTION(WORD, "-scene_scalar_<k>_flux",
+                        "flux through boundaries into the fluid, D n.grad c, n out of the fluid, of x, "
+                            "y[, z], t, as \"bottom: 0.1\"",
+                        "m/s", "0", .where = "-case scene, scalars that have a name"),
+    [EXCHANGE] = OPTION(WORD, "-scene_scalar_<k>_exchange",
+                        "exchange through boundaries, D n.grad c = h (c_outside - c): h and "
+                        "c_outside, of x, y[, z], t, as \"top: 0.5,20\"",
+                        "m/s", "0", .where = "-case scene, scalars that have a name"),
 };
 const OptionTable ScalarOptions = OPTIONS("Scalars", options);
 

@@ -7,33 +7,16 @@
 
 enum { CHECKPOINT, CHECKPOINT_EVERY, RESTART };
 static const OptionRow options[] = {
-    [CHECKPOINT] =
-        {
-            .name  = "-checkpoint",
-            .kind  = VALUE_FILE,
-            .file  = FILE_WRITTEN,
-            .brief = "file to restart from, written at the end and on SIGTERM and SIGINT",
-            .where = "flows",
-        },
-    [CHECKPOINT_EVERY] =
-        {
-            .name     = "-checkpoint_every",
-            .kind     = VALUE_REAL,
-            .brief    = "checkpoints after the first step at or past each multiple of this time; "
-                        "steps do not change",
-            .unit     = "s",
-            .standard = "none before the end",
-            POSITIVE,
-            .where = "flows",
-        },
+    [CHECKPOINT]       = OPTION(FILE, "-checkpoint",
+                                "file to restart from, written at the end and on SIGTERM and SIGINT",
+                                NULL, NULL, .file = FILE_WRITTEN, .where = "flows"),
+    [CHECKPOINT_EVERY] = OPTION(REAL, "-checkpoint_every",
+                                "checkpoints after the first step at or past each multiple of this "
+                                "time; steps do not change",
+                                "s", "none before the end", POSITIVE, .where = "flows"),
     [RESTART] =
-        {
-            .name  = "-restart",
-            .kind  = VALUE_FILE,
-            .file  = FILE_READ,
-            .brief = "checkpoint from which the run continues, on any number of ranks",
-            .where = "flows",
-        },
+        OPTION(FILE, "-restart", "checkpoint from which the run continues, on any number of ranks",
+               NULL, NULL, .file = FILE_READ, .where = "flows"),
 };
 const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 

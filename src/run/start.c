@@ -9,14 +9,8 @@
   0.05 /* the same with bodies, about which lattices have parts of cells */
 
 static const OptionRow options[] = {
-    {
-        .name     = "-particles",
-        .kind     = VALUE_FILE,
-        .file     = FILE_READ,
-        .brief    = "HDF5 file of the fluid particles at the start, such as a snapshot",
-        .standard = "a lattice",
-        .where    = "flows",
-    },
+    OPTION(FILE, "-particles", "HDF5 file of the fluid particles at the start, such as a snapshot",
+           NULL, "a lattice", .file = FILE_READ, .where = "flows"),
 };
 const OptionTable StartOptions = OPTIONS("Start", options);
 

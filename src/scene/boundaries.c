@@ -20,12 +20,8 @@ const BoundaryRow BoundaryWall = {
 const BoundaryRow BoundaryPeriodic = {
     .name       = "periodic",
     .brief      = "fluid that leaves through one side comes in through the opposite one",
-    .option     = {.name  = "-scene_periodic",
-                   .kind  = VALUE_NAMES,
-                   .brief = "periodic axes of the box",
-                   .words = BoxAxes,
-                   .table = &BoundaryTable,
-                   .where = "-case scene"},
+    .option     = OPTION(NAMES, "-scene_periodic", "periodic axes of the box", NULL, NULL,
+                         .words = BoxAxes, .table = &BoundaryTable, .where = "-case scene"),
     .properties = BOUNDARY_CONTINUES,
 };
 /* A side of the box inside a solid at rest: with zero velocity in the solid it has no slip. */
@@ -47,8 +43,8 @@ KINDS(DECLARE)
 #define ADDRESS(row) &row,
 static const BoundaryRow *const kinds[] = {KINDS(ADDRESS)};
 
-#define OPTION(row) &(row).option,
-static const OptionRow *const options[] = {KINDS(OPTION)};
+#define OPTION_OF(row) &(row).option,
+static const OptionRow *const options[] = {KINDS(OPTION_OF)};
 
 const Table       BoundaryTable   = TABLE_OF_POINTERS("Kinds of boundaries", kinds);
 const OptionTable BoundaryOptions = OPTIONS_ELSEWHERE("Sides of typed scenes", options);

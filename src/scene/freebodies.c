@@ -9,82 +9,38 @@ enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD, FROM_FILE };
 static const char *const components[] = {"x", "y", "z", "rotation", NULL};
 
 static const OptionRow options[] = {
-    [DENSITY] =
-        {
-            .name  = "-scene_body_<k>_density",
-            .kind  = VALUE_REAL,
-            .brief = "density of a body, which is then free to move by the forces on it; its "
-                     "-scene_body_<k>_velocity and _rotation are those at the start",
-            .unit  = "kg/m^3",
-            POSITIVE,
-            .where = "-case scene, bodies that are given",
-        },
-    [MASS] =
-        {
-            .name  = "-scene_body_<k>_mass",
-            .kind  = VALUE_REAL,
-            .brief = "mass of a free body, in place of its density; in 2D per metre of depth",
-            .unit  = "kg; kg/m",
-            POSITIVE,
-            .where = "-case scene, bodies that are given",
-        },
+    [DENSITY] = OPTION(REAL, "-scene_body_<k>_density",
+                       "density of a body, which is then free to move by the forces on it; its "
+                       "-scene_body_<k>_velocity and _rotation are those at the start",
+                       "kg/m^3", NULL, POSITIVE, .where = "-case scene, bodies that are given"),
+    [MASS]    = OPTION(REAL, "-scene_body_<k>_mass",
+                       "mass of a free body, in place of its density; in 2D per metre of depth",
+                       "kg; kg/m", NULL, POSITIVE, .where = "-case scene, bodies that are given"),
     [INERTIA] =
-        {
-            .name     = "-scene_body_<k>_inertia",
-            .kind     = VALUE_REALS,
-            .brief    = "moment of inertia of a free body about its centre; in 3D about x, y, z",
-            .unit     = "kg m^2; kg m",
-            .standard = "that of a uniform density",
-            .where    = "-case scene, free bodies",
-        },
-    [FORCE] =
-        {
-            .name     = "-scene_body_<k>_force",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "force on a free body besides those of the fluid and of -body_force, of t",
-            .unit     = "N; N/m",
-            .standard = "0",
-            .where    = "-case scene, free bodies",
-        },
-    [TORQUE] =
-        {
-            .name     = "-scene_body_<k>_torque",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "torque on a free body about its centre, of t; in 3D about x, y, z",
-            .unit     = "N m; N",
-            .standard = "0",
-            .where    = "-case scene, free bodies",
-        },
-    [SPRING] =
-        {
-            .name  = "-scene_body_<k>_spring",
-            .kind  = VALUE_REALS,
-            .brief = "stiffness kx,ky[,kz] of a spring that pulls the centre of a free body back "
-                     "to its place at the start",
-            .unit  = "N/m; Pa",
-            .standard = "0",
-            .where    = "-case scene, free bodies",
-        },
-    [HOLD] =
-        {
-            .name  = "-scene_body_<k>_hold",
-            .kind  = VALUE_NAMES,
-            .brief = "components of the motion of a free body that no force changes: they follow "
-                     "-scene_body_<k>_velocity and _rotation",
-            .words = components,
-            .where = "-case scene, free bodies",
-        },
-    [FROM_FILE] =
-        {
-            .name  = "-scene_body_<k>_motion",
-            .kind  = VALUE_FILE,
-            .brief = "CSV file of the motion of a body: rows t,x,y[,degrees] of its centre and its "
-                     "turn from where it was typed; in 3D t,x,y,z[,ax,ay,az,degrees] about one "
-                     "axis; cubics between the rows, with a continuous velocity",
-            .unit  = "s, m, degrees",
-            .where = "-case scene, bodies that are given, particles that move",
-            .file  = FILE_READ,
-        },
+        OPTION(REALS, "-scene_body_<k>_inertia",
+               "moment of inertia of a free body about its centre; in 3D about x, y, z",
+               "kg m^2; kg m", "that of a uniform density", .where = "-case scene, free bodies"),
+    [FORCE]     = OPTION(EXPRESSION, "-scene_body_<k>_force",
+                         "force on a free body besides those of the fluid and of -body_force, of t",
+                         "N; N/m", "0", .where = "-case scene, free bodies"),
+    [TORQUE]    = OPTION(EXPRESSION, "-scene_body_<k>_torque",
+                         "torque on a free body about its centre, of t; in 3D about x, y, z", "N m; N",
+                         "0", .where = "-case scene, free bodies"),
+    [SPRING]    = OPTION(REALS, "-scene_body_<k>_spring",
+                         "stiffness kx,ky[,kz] of a spring that pulls the centre of a free body back "
+                            "to its place at the start",
+                         "N/m; Pa", "0", .where = "-case scene, free bodies"),
+    [HOLD]      = OPTION(NAMES, "-scene_body_<k>_hold",
+                         "components of the motion of a free body that no force changes: they follow "
+                              "-scene_body_<k>_velocity and _rotation",
+                         NULL, NULL, .words = components, .where = "-case scene, free bodies"),
+    [FROM_FILE] = OPTION(FILE, "-scene_body_<k>_motion",
+                         "CSV file of the motion of a body: rows t,x,y[,degrees] of its centre and "
+                         "its turn from where it was typed; in 3D t,x,y,z[,ax,ay,az,degrees] about "
+                         "one axis; cubics between the rows, with a continuous velocity",
+                         "s, m, degrees", NULL,
+                         .where = "-case scene, bodies that are given, particles that move",
+                         .file  = FILE_READ),
 };
 const OptionTable FreeBodyOptions = OPTIONS("Bodies that are free, or follow a file", options);
 

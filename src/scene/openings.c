@@ -11,15 +11,13 @@
 #include "isph/scene.h"
 
 const BoundaryRow BoundaryInflow = {
-    .name       = "inflow",
-    .brief      = "side through which fluid enters, or leaves, with a given velocity",
-    .option     = {.name  = "-scene_inflow",
-                   .kind  = VALUE_NAMES,
-                   .brief = "sides of the box through which fluid enters, or leaves, with the "
-                                "velocity -scene_wall_<side>_velocity",
-                   .words = BoxSides,
-                   .table = &BoundaryTable,
-                   .where = "-case scene"},
+    .name  = "inflow",
+    .brief = "side through which fluid enters, or leaves, with a given velocity",
+    .option =
+        OPTION(NAMES, "-scene_inflow",
+               "sides of the box through which fluid enters, or leaves, with the velocity "
+               "-scene_wall_<side>_velocity",
+               NULL, NULL, .words = BoxSides, .table = &BoundaryTable, .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP | BOUNDARY_INFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
@@ -35,17 +33,14 @@ static PetscReal OutflowPressure(const Scene *scene, PetscInt side, PetscReal t,
 }
 
 const BoundaryRow BoundaryOutflow = {
-    .name       = "outflow",
-    .brief      = "side through which fluid leaves or returns: p given, n.grad u = 0",
-    .citation   = "R.L. Sani, P.M. Gresho, Int. J. Numer. Meth. Fluids 18 (1994) 983-1008",
-    .option     = {.name  = "-scene_outflow",
-                   .kind  = VALUE_NAMES,
-                   .brief = "sides of the box through which fluid leaves, or returns, at a given "
-                                "pressure; with -scene_wall_<side>_velocity they are as those of "
-                                "-scene_inflow",
-                   .words = BoxSides,
-                   .table = &BoundaryTable,
-                   .where = "-case scene"},
+    .name     = "outflow",
+    .brief    = "side through which fluid leaves or returns: p given, n.grad u = 0",
+    .citation = "R.L. Sani, P.M. Gresho, Int. J. Numer. Meth. Fluids 18 (1994) 983-1008",
+    .option =
+        OPTION(NAMES, "-scene_outflow",
+               "sides of the box through which fluid leaves, or returns, at a given pressure; with "
+               "-scene_wall_<side>_velocity they are as those of -scene_inflow",
+               NULL, NULL, .words = BoxSides, .table = &BoundaryTable, .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_OUTFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
@@ -57,29 +52,15 @@ const BoundaryRow BoundaryOutflow = {
 
 enum { OPENING, PRESSURE };
 static const OptionRow options[] = {
-    [PRESSURE] =
-        {
-            .name     = "-scene_outflow_<side>_pressure",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "pressure on an outflow side, of x, y[, z], t",
-            .unit     = "Pa",
-            .standard = "0",
-            .places   = BoxSides,
-            .where    = "-case scene, sides that are outflows",
-        },
+    [PRESSURE] = OPTION(EXPRESSION, "-scene_outflow_<side>_pressure",
+                        "pressure on an outflow side, of x, y[, z], t", "Pa", "0",
+                        .places = BoxSides, .where = "-case scene, sides that are outflows"),
     [OPENING] =
-        {
-            .name = "-scene_opening_<side>",
-            .kind = VALUE_SHAPE,
-            .brief =
-                "part of an inflow side through which fluid enters, the rest is a wall: a,b along "
-                "the side; in 3D a shape of 2D in the axes along the side, as circle,0.5,0.5,0.1",
-            .unit     = "m",
-            .standard = "the whole side",
-            .table_3d = &ShapeTable,
-            .places   = BoxSides,
-            .where    = "-case scene, sides that are inflows",
-        },
+        OPTION(SHAPE, "-scene_opening_<side>",
+               "part of an inflow side through which fluid enters, the rest is a wall: a,b along "
+               "the side; in 3D a shape of 2D in the axes along the side, as circle,0.5,0.5,0.1",
+               "m", "the whole side", .table_3d = &ShapeTable, .places = BoxSides,
+               .where = "-case scene, sides that are inflows"),
 };
 const OptionTable OpeningOptions = OPTIONS("Openings of typed scenes", options);
 

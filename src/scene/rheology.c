@@ -130,70 +130,53 @@ static PetscReal RheologyRate_Casson(const Rheology *r, PetscReal tau)
 }
 
 static const RheologyRow rheologies[] = {
-    {
-        .name  = "newtonian",
-        .brief = "viscosity does not follow the strain rate g = sqrt(2 E:E)",
-    },
-    {
-        .name     = "power_law",
-        .brief    = "nu = K g^(n-1)",
-        .citation = "Ostwald, Kolloid-Z. 36 (1925)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_CONSISTENCY) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .wants    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .Nu       = RheologyNu_PowerLaw,
-        .Rate     = RheologyRate_PowerLaw,
-    },
-    {
-        .name     = "carreau",
-        .brief    = "nu = nu_inf + (nu - nu_inf) (1 + (lambda g)^2)^((n-1)/2)",
-        .citation = "Carreau, Trans. Soc. Rheol. 16 (1972)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT) | RHEOLOGY_BIT(RHEOLOGY_TIME) |
-                 RHEOLOGY_BIT(RHEOLOGY_INFINITE),
-        .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .Nu    = RheologyNu_Carreau,
-    },
-    {
-        .name     = "papanastasiou",
-        .brief    = "nu + tau_0 (1 - exp(-m g))/g: Bingham's plastic, regularised",
-        .citation = "Papanastasiou, J. Rheol. 31 (1987)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION),
-        .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
-        .Nu       = RheologyNu_Papanastasiou,
-        .Rate     = RheologyRate_Papanastasiou,
-    },
-    {
-        .name     = "herschel_bulkley",
-        .brief    = "K g^(n-1) + tau_0/g, regularised: yields, then thins or thickens",
-        .citation = "Herschel & Bulkley, Kolloid-Z. 39 (1926)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION) |
-                 RHEOLOGY_BIT(RHEOLOGY_CONSISTENCY) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .wants = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .Nu    = RheologyNu_HerschelBulkley,
-        .Rate  = RheologyRate_HerschelBulkley,
-    },
-    {
-        .name     = "casson",
-        .brief    = "(nu^1/2 + (tau_0/g)^1/2)^2, regularised: chocolate, blood",
-        .citation = "Casson, in Rheology of Disperse Systems (1959)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION),
-        .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
-        .Nu       = RheologyNu_Casson,
-        .Rate     = RheologyRate_Casson,
-    },
-    {
-        .name     = "cross",
-        .brief    = "nu = nu_inf + (nu - nu_inf)/(1 + (lambda g)^(1-n))",
-        .citation = "Cross, J. Colloid Sci. 20 (1965)",
-        .takes    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT) | RHEOLOGY_BIT(RHEOLOGY_TIME) |
-                 RHEOLOGY_BIT(RHEOLOGY_INFINITE),
-        .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
-        .Nu    = RheologyNu_Cross,
-    },
-    {
-        .name  = "typed",
-        .brief = "-viscosity_field at the present place, time, scalars and strain rate g",
-        .Nu    = RheologyNu_Typed,
-    },
+    {.name = "newtonian", .brief = "viscosity does not follow the strain rate g = sqrt(2 E:E)"},
+    {.name     = "power_law",
+     .brief    = "nu = K g^(n-1)",
+     .citation = "Ostwald, Kolloid-Z. 36 (1925)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_CONSISTENCY) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .wants    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .Nu       = RheologyNu_PowerLaw,
+     .Rate     = RheologyRate_PowerLaw},
+    {.name     = "carreau",
+     .brief    = "nu = nu_inf + (nu - nu_inf) (1 + (lambda g)^2)^((n-1)/2)",
+     .citation = "Carreau, Trans. Soc. Rheol. 16 (1972)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT) | RHEOLOGY_BIT(RHEOLOGY_TIME) |
+              RHEOLOGY_BIT(RHEOLOGY_INFINITE),
+     .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .Nu    = RheologyNu_Carreau},
+    {.name     = "papanastasiou",
+     .brief    = "nu + tau_0 (1 - exp(-m g))/g: Bingham's plastic, regularised",
+     .citation = "Papanastasiou, J. Rheol. 31 (1987)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION),
+     .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
+     .Nu       = RheologyNu_Papanastasiou,
+     .Rate     = RheologyRate_Papanastasiou},
+    {.name     = "herschel_bulkley",
+     .brief    = "K g^(n-1) + tau_0/g, regularised: yields, then thins or thickens",
+     .citation = "Herschel & Bulkley, Kolloid-Z. 39 (1926)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION) |
+              RHEOLOGY_BIT(RHEOLOGY_CONSISTENCY) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .wants = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .Nu    = RheologyNu_HerschelBulkley,
+     .Rate  = RheologyRate_HerschelBulkley},
+    {.name     = "casson",
+     .brief    = "(nu^1/2 + (tau_0/g)^1/2)^2, regularised: chocolate, blood",
+     .citation = "Casson, in Rheology of Disperse Systems (1959)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_YIELD) | RHEOLOGY_BIT(RHEOLOGY_REGULARISATION),
+     .wants    = RHEOLOGY_BIT(RHEOLOGY_YIELD),
+     .Nu       = RheologyNu_Casson,
+     .Rate     = RheologyRate_Casson},
+    {.name     = "cross",
+     .brief    = "nu = nu_inf + (nu - nu_inf)/(1 + (lambda g)^(1-n))",
+     .citation = "Cross, J. Colloid Sci. 20 (1965)",
+     .takes    = RHEOLOGY_BIT(RHEOLOGY_EXPONENT) | RHEOLOGY_BIT(RHEOLOGY_TIME) |
+              RHEOLOGY_BIT(RHEOLOGY_INFINITE),
+     .wants = RHEOLOGY_BIT(RHEOLOGY_EXPONENT),
+     .Nu    = RheologyNu_Cross},
+    {.name  = "typed",
+     .brief = "-viscosity_field at the present place, time, scalars and strain rate g",
+     .Nu    = RheologyNu_Typed},
 };
 const Table RheologyTable = TABLE("Rheologies", rheologies);
 
@@ -246,94 +229,32 @@ PetscBool SceneIsNewtonian(const Scene *scene)
 /* Indices of options: name and bounds, then parameters in the order of RheologyParameter. */
 enum { NAME, VISCOSITY_MIN, VISCOSITY_MAX, PARAMETERS };
 static const OptionRow options[] = {
-    [NAME] =
-        {
-            .name     = "-rheology",
-            .kind     = VALUE_NAME,
-            .brief    = "law by which viscosity follows the strain rate",
-            .standard = "newtonian",
-            .table    = &RheologyTable,
-            .where    = "flows",
-        },
-    [VISCOSITY_MIN] =
-        {
-            .name     = "-rheology_viscosity_min",
-            .kind     = VALUE_REAL,
-            .brief    = "least kinematic viscosity",
-            .unit     = "m^2/s",
-            .standard = "the limit of the law, or nu/1000; nu/20 for a power law with n > 1",
-            POSITIVE,
-            .where = "fluids that are not newtonian",
-        },
-    [VISCOSITY_MAX] =
-        {
-            .name     = "-rheology_viscosity_max",
-            .kind     = VALUE_REAL,
-            .brief    = "largest kinematic viscosity",
-            .unit     = "m^2/s",
-            .standard = "the limit of the law, or 1000 nu",
-            POSITIVE,
-            .where = "fluids that are not newtonian",
-        },
+    [NAME] = OPTION(NAME, "-rheology", "law by which viscosity follows the strain rate", NULL,
+                    "newtonian", .table = &RheologyTable, .where = "flows"),
+    [VISCOSITY_MIN] = OPTION(REAL, "-rheology_viscosity_min", "least kinematic viscosity", "m^2/s",
+                             "the limit of the law, or nu/1000; nu/20 for a power law with n > 1",
+                             POSITIVE, .where = "fluids that are not newtonian"),
+    [VISCOSITY_MAX] = OPTION(REAL, "-rheology_viscosity_max", "largest kinematic viscosity",
+                             "m^2/s", "the limit of the law, or 1000 nu", POSITIVE,
+                             .where = "fluids that are not newtonian"),
     [PARAMETERS + RHEOLOGY_CONSISTENCY] =
-        {
-            .name     = "-rheology_consistency",
-            .kind     = VALUE_REAL,
-            .brief    = "consistency K",
-            .unit     = "m^2 s^(n-2)",
-            .standard = "such that the viscosity at the rate U/L is -viscosity",
-            POSITIVE,
-            .where = "-rheology power_law and herschel_bulkley",
-        },
+        OPTION(REAL, "-rheology_consistency", "consistency K", "m^2 s^(n-2)",
+               "such that the viscosity at the rate U/L is -viscosity", POSITIVE,
+               .where = "-rheology power_law and herschel_bulkley"),
     [PARAMETERS + RHEOLOGY_EXPONENT] =
-        {
-            .name  = "-rheology_exponent",
-            .kind  = VALUE_REAL,
-            .brief = "exponent n; must be given",
-            .unit  = "-",
-            .low   = 0.05,
-            .high  = 5.0,
-            .where = "-rheology power_law, carreau, cross and herschel_bulkley",
-        },
-    [PARAMETERS + RHEOLOGY_TIME] =
-        {
-            .name     = "-rheology_time",
-            .kind     = VALUE_REAL,
-            .brief    = "time constant lambda",
-            .unit     = "s",
-            .standard = "L/U",
-            POSITIVE,
-            .where = "-rheology carreau and cross",
-        },
+        OPTION(REAL, "-rheology_exponent", "exponent n; must be given", "-", NULL, .low = 0.05,
+               .high = 5.0, .where = "-rheology power_law, carreau, cross and herschel_bulkley"),
+    [PARAMETERS + RHEOLOGY_TIME] = OPTION(REAL, "-rheology_time", "time constant lambda", "s",
+                                          "L/U", POSITIVE, .where = "-rheology carreau and cross"),
     [PARAMETERS + RHEOLOGY_INFINITE] =
-        {
-            .name     = "-rheology_viscosity_infinite",
-            .kind     = VALUE_REAL,
-            .brief    = "kinematic viscosity at infinite rate, nu_inf",
-            .unit     = "m^2/s",
-            .standard = "0",
-            NOT_NEGATIVE,
-            .where = "-rheology carreau and cross",
-        },
+        OPTION(REAL, "-rheology_viscosity_infinite", "kinematic viscosity at infinite rate, nu_inf",
+               "m^2/s", "0", NOT_NEGATIVE, .where = "-rheology carreau and cross"),
     [PARAMETERS + RHEOLOGY_YIELD] =
-        {
-            .name  = "-rheology_yield",
-            .kind  = VALUE_REAL,
-            .brief = "yield stress over the density, tau_0; must be given",
-            .unit  = "m^2/s^2",
-            NOT_NEGATIVE,
-            .where = "rheologies that yield",
-        },
+        OPTION(REAL, "-rheology_yield", "yield stress over the density, tau_0; must be given",
+               "m^2/s^2", NULL, NOT_NEGATIVE, .where = "rheologies that yield"),
     [PARAMETERS + RHEOLOGY_REGULARISATION] =
-        {
-            .name     = "-rheology_regularisation",
-            .kind     = VALUE_REAL,
-            .brief    = "time constant m of the regularisation",
-            .unit     = "s",
-            .standard = "n^2 L/U, at least 1000 L/U",
-            POSITIVE,
-            .where = "rheologies that yield",
-        },
+        OPTION(REAL, "-rheology_regularisation", "time constant m of the regularisation", "s",
+               "n^2 L/U, at least 1000 L/U", POSITIVE, .where = "rheologies that yield"),
 };
 const OptionTable RheologyOptions = OPTIONS("Rheology", options);
 

@@ -27,11 +27,9 @@ const char *const PhysicsNames[PHYSICS_COUNT + 1] = {"viscosity", "pressure",   
 /* All motions use the same arbitrary Lagrangian-Eulerian step; only the velocity of the particles
    differs. */
 static const MotionRow motions[] = {
-    {
-        .name           = "lagrangian",
-        .brief          = "particles move with the flow and are shifted",
-        .particles_move = PETSC_TRUE,
-    },
+    {.name           = "lagrangian",
+     .brief          = "particles move with the flow and are shifted",
+     .particles_move = PETSC_TRUE},
     {
         .name  = "eulerian",
         .brief = "particles stay; du/dt gains -u.grad u; operators are built once",

@@ -24,180 +24,50 @@ enum {
   PATCH_MARGIN
 };
 static const OptionRow options[] = {
-    [DIM] =
-        {
-            .name     = "-dim",
-            .kind     = VALUE_INT,
-            .brief    = "dimension of space; 3 in some cases only",
-            .standard = "2",
-            .low      = 2,
-            .high     = 3,
-        },
-    [RESOLUTION] =
-        {
-            .name     = "-n",
-            .kind     = VALUE_INT,
-            .brief    = "particles along the reference length, dx = L/n",
-            .standard = "of the case",
-            .low      = 4,
-            .high     = 100000,
-        },
-    [LENGTH] =
-        {
-            .name     = "-length",
-            .also     = " L ",
-            .kind     = VALUE_REAL,
-            .brief    = "reference length L",
-            .unit     = "m",
-            .standard = "1",
-            .low      = 1e-50,
-            .high     = 1e50,
-            .where    = "flows",
-        },
-    [SPEED] =
-        {
-            .name     = "-speed",
-            .also     = " U ",
-            .kind     = VALUE_REAL,
-            .brief    = "reference speed U",
-            .unit     = "m/s",
-            .standard = "1",
-            .low      = 1e-50,
-            .high     = 1e50,
-            .where    = "flows",
-        },
+    [DIM] = OPTION(INT, "-dim", "dimension of space; 3 in some cases only", NULL, "2", .low = 2,
+                   .high = 3),
+    [RESOLUTION] = OPTION(INT, "-n", "particles along the reference length, dx = L/n", NULL,
+                          "of the case", .low = 4, .high = 100000),
+    [LENGTH] = OPTION(REAL, "-length", "reference length L", "m", "1", .also = " L ", .low = 1e-50,
+                      .high = 1e50, .where = "flows"),
+    [SPEED]  = OPTION(REAL, "-speed", "reference speed U", "m/s", "1", .also = " U ", .low = 1e-50,
+                      .high = 1e50, .where = "flows"),
     [REYNOLDS] =
-        {
-            .name     = "-reynolds",
-            .also     = " re ",
-            .kind     = VALUE_REAL,
-            .brief    = "Reynolds number U L/nu, with the length of the case for L",
-            .unit     = "-",
-            .standard = "of the case",
-            .low      = 1e-12,
-            .high     = 1e12,
-            .where    = "flows",
-        },
+        OPTION(REAL, "-reynolds", "Reynolds number U L/nu, with the length of the case for L", "-",
+               "of the case", .also = " re ", .low = 1e-12, .high = 1e12, .where = "flows"),
     [VISCOSITY] =
-        {
-            .name     = "-viscosity",
-            .also     = " nu kinematic_viscosity ",
-            .kind     = VALUE_REAL,
-            .brief    = "kinematic viscosity nu, in place of -reynolds",
-            .unit     = "m^2/s",
-            .standard = "from -reynolds",
-            POSITIVE,
-            .where = "flows",
-        },
-    [DENSITY] =
-        {
-            .name     = "-density",
-            .also     = " rho ",
-            .kind     = VALUE_REAL,
-            .brief    = "density rho",
-            .unit     = "kg/m^3",
-            .standard = "1",
-            .low      = 1e-50,
-            .high     = 1e50,
-            .where    = "flows",
-        },
-    [TENSION] =
-        {
-            .name     = "-surface_tension",
-            .kind     = VALUE_REAL,
-            .brief    = "surface tension sigma",
-            .unit     = "N/m",
-            .standard = "0",
-            NOT_NEGATIVE,
-            .where = "flows with a free surface",
-        },
-    [SURFACE_PRESSURE] =
-        {
-            .name     = "-surface_pressure",
-            .kind     = VALUE_REAL,
-            .brief    = "pressure outside free surfaces, such as that of the atmosphere",
-            .unit     = "Pa",
-            .standard = "0",
-            NOT_NEGATIVE,
-            .where = "flows with a free surface",
-        },
+        OPTION(REAL, "-viscosity", "kinematic viscosity nu, in place of -reynolds", "m^2/s",
+               "from -reynolds", .also = " nu kinematic_viscosity ", POSITIVE, .where = "flows"),
+    [DENSITY] = OPTION(REAL, "-density", "density rho", "kg/m^3", "1", .also = " rho ",
+                       .low = 1e-50, .high = 1e50, .where = "flows"),
+    [TENSION] = OPTION(REAL, "-surface_tension", "surface tension sigma", "N/m", "0", NOT_NEGATIVE,
+                       .where = "flows with a free surface"),
+    [SURFACE_PRESSURE] = OPTION(REAL, "-surface_pressure",
+                                "pressure outside free surfaces, such as that of the atmosphere",
+                                "Pa", "0", NOT_NEGATIVE, .where = "flows with a free surface"),
     [BODY_FORCE] =
-        {
-            .name     = "-body_force",
-            .also     = " g gravity acceleration ",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "body force per unit mass, one component per axis; adds body_force to the "
-                        "physics; expressions of x, y, t in -case scene, numbers elsewhere",
-            .unit     = "m/s^2",
-            .standard = "of the case",
-            .where    = "flows",
-        },
-    [WITH] =
-        {
-            .name  = "-with",
-            .kind  = VALUE_NAMES,
-            .brief = "physics added to those of the case",
-            .words = PhysicsNames,
-            .where = "flows",
-        },
-    [WITHOUT] =
-        {
-            .name  = "-without",
-            .kind  = VALUE_NAMES,
-            .brief = "physics left out of those of the case",
-            .words = PhysicsNames,
-            .where = "flows",
-        },
+        OPTION(EXPRESSION, "-body_force",
+               "body force per unit mass, one component per axis; adds body_force to the physics; "
+               "expressions of x, y, t in -case scene, numbers elsewhere",
+               "m/s^2", "of the case", .also = " g gravity acceleration ", .where = "flows"),
+    [WITH]    = OPTION(NAMES, "-with", "physics added to those of the case", NULL, NULL,
+                       .words = PhysicsNames, .where = "flows"),
+    [WITHOUT] = OPTION(NAMES, "-without", "physics left out of those of the case", NULL, NULL,
+                       .words = PhysicsNames, .where = "flows"),
     [MOTION] =
-        {
-            .name     = "-motion",
-            .kind     = VALUE_NAME,
-            .brief    = "motion of the particles",
-            .standard = "lagrangian",
-            .table    = &MotionTable,
-            .where    = "flows with convection; frame with -case scene",
-        },
-    [JITTER] =
-        {
-            .name     = "-jitter",
-            .kind     = VALUE_REAL,
-            .brief    = "largest random displacement of the lattice at the start",
-            .unit     = "dx",
-            .standard = "0",
-            .low      = 0.0,
-            .high     = 0.5,
-        },
-    [SEED] =
-        {
-            .name     = "-seed",
-            .kind     = VALUE_INT,
-            .brief    = "seed of the jitter, of the first shift and of random fields",
-            .standard = "1",
-            NOT_NEGATIVE,
-        },
+        OPTION(NAME, "-motion", "motion of the particles", NULL, "lagrangian",
+               .table = &MotionTable, .where = "flows with convection; frame with -case scene"),
+    [JITTER] = OPTION(REAL, "-jitter", "largest random displacement of the lattice at the start",
+                      "dx", "0", .low = 0.0, .high = 0.5),
+    [SEED]   = OPTION(INT, "-seed", "seed of the jitter, of the first shift and of random fields",
+                      NULL, "1", NOT_NEGATIVE),
     [SOLID_FRACTION] =
-        {
-            .name     = "-solid_fraction",
-            .kind     = VALUE_REAL,
-            .brief    = "share of the box that the bodies of an array fill",
-            .unit     = "-",
-            .standard = "of the case",
-            .low      = 0.001,
-            .high     = 0.6,
-            .where    = "arrays of bodies (-case stokes_cylinders)",
-        },
-    [PATCH_MARGIN] =
-        {
-            .name     = "-patch_margin",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "width at the sides of the unit square that measurements leave out",
-            .unit     = "dx",
-            .standard = "0",
-            .low      = 0.0,
-            .high     = 1e5,
-            .where    = "-case patch",
-        },
+        OPTION(REAL, "-solid_fraction", "share of the box that the bodies of an array fill", "-",
+               "of the case", .low = 0.001, .high = 0.6,
+               .where = "arrays of bodies (-case stokes_cylinders)"),
+    [PATCH_MARGIN] = OPTION(
+        REAL, "-patch_margin", "width at the sides of the unit square that measurements leave out",
+        "dx", "0", .expert = PETSC_TRUE, .low = 0.0, .high = 1e5, .where = "-case patch"),
 };
 const OptionTable SceneOptions = OPTIONS("Physics and fluid", options);
 

@@ -13,41 +13,22 @@
 
 enum { SPACING, WALL, GROWTH };
 static const OptionRow options[] = {
-    [SPACING] =
-        {
-            .name     = "-spacing",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "spacing as an expression of x, y, z; the particles then are not on a "
-                        "lattice, and -n sets dx only",
-            .unit     = "dx",
-            .standard = "1",
-            .where    = "flows of fixed particles; of moving particles in boxes without walls",
-        },
-    [WALL] =
-        {
-            .name     = "-spacing_wall",
-            .kind     = VALUE_REAL,
-            .brief    = "spacing at walls; without -spacing_growth the lattice keeps its number of "
+    [SPACING] = OPTION(
+        EXPRESSION, "-spacing",
+        "spacing as an expression of x, y, z; the particles then are not on a lattice, and -n sets "
+        "dx only",
+        "dx", "1", .where = "flows of fixed particles; of moving particles in boxes without walls"),
+    [WALL]   = OPTION(REAL, "-spacing_wall",
+                      "spacing at walls; without -spacing_growth the lattice keeps its number of "
                         "particles, and the spacing grows smoothly from the walls to the middle",
-            .unit     = "dx",
-            .standard = "1",
-            .low      = 0.05,
-            .high     = 1.0,
-            .where = "flows between walls; with bodies, -spacing_growth too; of moving particles "
-                     "in -scheme projection with -pressure_points coarse",
-        },
-    [GROWTH] =
-        {
-            .name     = "-spacing_growth",
-            .kind     = VALUE_REAL,
-            .brief    = "growth of the spacing from a particle to the next, from -spacing_wall at "
-                        "walls and bodies up to dx; the particles then are not on a lattice",
-            .unit     = "-",
-            .standard = "a lattice",
-            .low      = 0.01,
-            .high     = GROWTH_MOST,
-            .where    = "-spacing_wall in flows of fixed particles",
-        },
+                      "dx", "1", .low = 0.05, .high = 1.0,
+                      .where = "flows between walls; with bodies, -spacing_growth too; of moving "
+                                 "particles in -scheme projection with -pressure_points coarse"),
+    [GROWTH] = OPTION(REAL, "-spacing_growth",
+                      "growth of the spacing from a particle to the next, from -spacing_wall at "
+                      "walls and bodies up to dx; the particles then are not on a lattice",
+                      "-", "a lattice", .low = 0.01, .high = GROWTH_MOST,
+                      .where = "-spacing_wall in flows of fixed particles"),
 };
 const OptionTable SpacingOptions = OPTIONS("Spacing", options);
 

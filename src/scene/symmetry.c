@@ -8,14 +8,10 @@
 #include "isph/scene.h"
 
 const BoundaryRow BoundarySymmetry = {
-    .name       = "symmetry",
-    .brief      = "plane in which the flow mirrors itself: u.n = 0, no shear stress",
-    .option     = {.name  = "-scene_symmetry",
-                   .kind  = VALUE_NAMES,
-                   .brief = "sides of the box that are planes of symmetry",
-                   .words = BoxSides,
-                   .table = &BoundaryTable,
-                   .where = "-case scene"},
+    .name   = "symmetry",
+    .brief  = "plane in which the flow mirrors itself: u.n = 0, no shear stress",
+    .option = OPTION(NAMES, "-scene_symmetry", "sides of the box that are planes of symmetry", NULL,
+                     NULL, .words = BoxSides, .table = &BoundaryTable, .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_CONFINES,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,

@@ -19,132 +19,56 @@ enum {
   EXACT
 };
 static const OptionRow options[] = {
-    [BOX] =
-        {
-            .name     = "-scene_box",
-            .kind     = VALUE_REALS,
-            .brief    = "corners of the box, x0,y0,x1,y1; in 3D x0,y0,z0,x1,y1,z1",
-            .unit     = "m",
-            .standard = "0,0,L,L; 0,0,0,L,L,L",
-            .where    = "-case scene",
-        },
+    [BOX] = OPTION(REALS, "-scene_box", "corners of the box, x0,y0,x1,y1; in 3D x0,y0,z0,x1,y1,z1",
+                   "m", "0,0,L,L; 0,0,0,L,L,L", .where = "-case scene"),
     [WALL_VELOCITY] =
-        {
-            .name     = "-scene_wall_<side>_velocity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] of a side of the box, of x, y[, z], t",
-            .unit     = "m/s",
-            .standard = "0; of an inflow that of -scene_exact; of an outflow none",
-            .places   = BoxSides,
-            .where    = "-case scene, sides that are walls, inflows or outflows",
-        },
-    [FREE] =
-        {
-            .name  = "-scene_free",
-            .kind  = VALUE_NAMES,
-            .brief = "sides of the box that are free surfaces at the start; the box goes on for "
-                     "its own length beyond them, and is empty there",
-            .words = BoxSides,
-            .where = "-case scene",
-        },
-    [WALL_ANGLE] =
-        {
-            .name     = "-scene_wall_<side>_angle",
-            .kind     = VALUE_REAL,
-            .brief    = "contact angle of the free surface with a side of the box, in the fluid",
-            .unit     = "degrees",
-            .standard = "90",
-            .low      = 30.0,
-            .high     = 150.0,
-            .places   = BoxSides,
-            .where    = "-case scene, sides that are walls, -surface_tension and -visc_laplacian "
-                        "weak_stress",
-        },
-    [FILLED] =
-        {
-            .name  = "-scene_filled_<k>",
-            .kind  = VALUE_SHAPE,
-            .brief = "region that the fluid fills at the start, a shape as of bodies; the rest of "
-                     "the box is empty, and its border is a free surface where it is inside the "
-                     "box; regions are numbered 1, 2, ... and may overlap",
-            .unit  = "m",
-            .standard = "the whole box",
-            .table    = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene",
-        },
+        OPTION(EXPRESSION, "-scene_wall_<side>_velocity",
+               "velocity u,v[,w] of a side of the box, of x, y[, z], t", "m/s",
+               "0; of an inflow that of -scene_exact; of an outflow none", .places = BoxSides,
+               .where = "-case scene, sides that are walls, inflows or outflows"),
+    [FREE]       = OPTION(NAMES, "-scene_free",
+                          "sides of the box that are free surfaces at the start; the box goes on for its "
+                                "own length beyond them, and is empty there",
+                          NULL, NULL, .words = BoxSides, .where = "-case scene"),
+    [WALL_ANGLE] = OPTION(
+        REAL, "-scene_wall_<side>_angle",
+        "contact angle of the free surface with a side of the box, in the fluid", "degrees", "90",
+        .low = 30.0, .high = 150.0, .places = BoxSides,
+        .where =
+            "-case scene, sides that are walls, -surface_tension and -visc_laplacian weak_stress"),
+    [FILLED] = OPTION(SHAPE, "-scene_filled_<k>",
+                      "region that the fluid fills at the start, a shape as of bodies; the rest of "
+                      "the box is empty, and its border is a free surface where it is inside the "
+                      "box; regions are numbered 1, 2, ... and may overlap",
+                      "m", "the whole box", .table = &ShapeTable, .table_3d = &SolidTable,
+                      .where = "-case scene"),
     [FLUID] =
-        {
-            .name     = "-scene_fluid_<k>",
-            .kind     = VALUE_SHAPE,
-            .brief    = "region of another fluid at the start, a shape as of bodies; fluids are "
-                        "numbered 1, 2, ..., and a later region covers an earlier one",
-            .unit     = "m",
-            .table    = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene",
-        },
+        OPTION(SHAPE, "-scene_fluid_<k>",
+               "region of another fluid at the start, a shape as of bodies; fluids are numbered 1, "
+               "2, ..., and a later region covers an earlier one",
+               "m", NULL, .table = &ShapeTable, .table_3d = &SolidTable, .where = "-case scene"),
     [FLUID_VISCOSITY] =
-        {
-            .name     = "-scene_fluid_<k>_viscosity",
-            .kind     = VALUE_REAL,
-            .brief    = "kinematic viscosity of another fluid",
-            .unit     = "m^2/s",
-            .standard = "-viscosity; must be given unless a density or a tension is",
-            POSITIVE,
-            .where = "-case scene, fluids that are given",
-        },
-    [FLUID_DENSITY] =
-        {
-            .name     = "-scene_fluid_<k>_density",
-            .kind     = VALUE_REAL,
-            .brief    = "density of another fluid",
-            .unit     = "kg/m^3",
-            .standard = "-density",
-            POSITIVE,
-            .where = "-case scene, fluids that are given",
-        },
-    [FLUID_TENSION] =
-        {
-            .name     = "-scene_fluid_<k>_tension",
-            .kind     = VALUE_REAL,
-            .brief    = "tension of the surface between this fluid and all others; it meets walls "
-                        "at 90 degrees",
-            .unit     = "N/m",
-            .standard = "0",
-            POSITIVE,
-            .where = "-case scene, fluids that are given",
-        },
+        OPTION(REAL, "-scene_fluid_<k>_viscosity", "kinematic viscosity of another fluid", "m^2/s",
+               "-viscosity; must be given unless a density or a tension is", POSITIVE,
+               .where = "-case scene, fluids that are given"),
+    [FLUID_DENSITY] = OPTION(REAL, "-scene_fluid_<k>_density", "density of another fluid", "kg/m^3",
+                             "-density", POSITIVE, .where = "-case scene, fluids that are given"),
+    [FLUID_TENSION] = OPTION(
+        REAL, "-scene_fluid_<k>_tension",
+        "tension of the surface between this fluid and all others; it meets walls at 90 degrees",
+        "N/m", "0", POSITIVE, .where = "-case scene, fluids that are given"),
     [VISCOSITY_FIELD] =
-        {
-            .name = "-viscosity_field",
-            .kind = VALUE_EXPRESSION,
-            .brief =
-                "kinematic viscosity outside the regions of other fluids, of x, y[, z] and the "
-                "scalars; of t and the strain rate g too, if there are no such regions",
-            .unit     = "m^2/s",
-            .standard = "-viscosity",
-            .where    = "-case scene",
-        },
+        OPTION(EXPRESSION, "-viscosity_field",
+               "kinematic viscosity outside the regions of other fluids, of x, y[, z] and the "
+               "scalars; of t and the strain rate g too, if there are no such regions",
+               "m^2/s", "-viscosity", .where = "-case scene"),
     [START_VELOCITY] =
-        {
-            .name     = "-scene_velocity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] at the start, of x, y[, z]",
-            .unit     = "m/s",
-            .standard = "-scene_exact at t = 0, or rest",
-            .where    = "-case scene",
-        },
-    [EXACT] =
-        {
-            .name = "-scene_exact",
-            .kind = VALUE_EXPRESSION,
-            .brief =
-                "reference solution u,v[,w][,p], of x, y[, z], t: the flow starts from it, and "
-                "errors are reported",
-            .unit  = "m/s, Pa",
-            .where = "-case scene",
-        },
+        OPTION(EXPRESSION, "-scene_velocity", "velocity u,v[,w] at the start, of x, y[, z]", "m/s",
+               "-scene_exact at t = 0, or rest", .where = "-case scene"),
+    [EXACT] = OPTION(EXPRESSION, "-scene_exact",
+                     "reference solution u,v[,w][,p], of x, y[, z], t: the flow starts from it, "
+                     "and errors are reported",
+                     "m/s, Pa", NULL, .where = "-case scene"),
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
 

@@ -25,132 +25,60 @@ enum {
   PART_VELOCITY
 };
 static const OptionRow options[] = {
-    [BODY] =
-        {
-            .name  = "-scene_body_<k>",
-            .kind  = VALUE_SHAPE,
-            .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
-                     "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or revolved,r0,z0,... about the "
-                     "axis z or, through the box along z, cylinder,cx,cy,r or prism,x0,y0,...; "
-                     "more shapes: -catalogue; shapes with ' + ', ' - ' or ' & ' between are "
-                     "added, cut away or intersected in their order; several bodies may be listed "
-                     "with semicolons; "
-                     "bodies are numbered 1, 2, ...",
-            .unit  = "m",
-            .table = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene",
-        },
+    [BODY] = OPTION(
+        SHAPE, "-scene_body_<k>",
+        "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
+        "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or revolved,r0,z0,... about the axis z or, "
+        "through the box along z, cylinder,cx,cy,r or prism,x0,y0,...; more shapes: -catalogue; "
+        "shapes with ' + ', ' - ' or ' & ' between are added, cut away or intersected in their "
+        "order; several bodies may be listed with semicolons; bodies are numbered 1, 2, ...",
+        "m", NULL, .table = &ShapeTable, .table_3d = &SolidTable, .where = "-case scene"),
     [BODY_PLACE] =
-        {
-            .name     = "-scene_body_<k>_place",
-            .kind     = VALUE_REALS,
-            .brief    = "way of a body from where its shape was typed, and turn about its centre: "
-                        "dx,dy[,degrees]; in 3D dx,dy,dz[,ax,ay,az,degrees] about ax,ay,az",
-            .unit     = "m",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [BODY_VELOCITY] =
-        {
-            .name     = "-scene_body_<k>_velocity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] of a body, of t; the body moves if particles move, and "
-                        "else its surface alone has this velocity",
-            .unit     = "m/s",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [BODY_POSITION] =
-        {
-            .name  = "-scene_body_<k>_position",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "position x,y[,z] of the centre of a body that moves, of t, in place of its "
-                     "velocity",
-            .unit  = "m",
-            .standard = "from the shape and the velocity",
-            .where    = "-case scene, bodies that are given, particles that move",
-        },
+        OPTION(REALS, "-scene_body_<k>_place",
+               "way of a body from where its shape was typed, and turn about its centre: "
+               "dx,dy[,degrees]; in 3D dx,dy,dz[,ax,ay,az,degrees] about ax,ay,az",
+               "m", "0", .where = "-case scene, bodies that are given"),
+    [BODY_VELOCITY] = OPTION(EXPRESSION, "-scene_body_<k>_velocity",
+                             "velocity u,v[,w] of a body, of t; the body moves if particles move, "
+                             "and else its surface alone has this velocity",
+                             "m/s", "0", .where = "-case scene, bodies that are given"),
+    [BODY_POSITION] = OPTION(
+        EXPRESSION, "-scene_body_<k>_position",
+        "position x,y[,z] of the centre of a body that moves, of t, in place of its velocity", "m",
+        "from the shape and the velocity",
+        .where = "-case scene, bodies that are given, particles that move"),
     [BODY_ROTATION] =
-        {
-            .name  = "-scene_body_<k>_rotation",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "rotation rate of a body about its centre, of t: about z, in 3D also about x, "
-                     "y, z",
-            .unit  = "rad/s",
-            .standard = "0",
-            .where    = "-case scene, bodies that are given",
-        },
-    [VESSEL] =
-        {
-            .name     = "-scene_domain",
-            .kind     = VALUE_SHAPE,
-            .brief    = "the fluid is inside this shape, a shape as of bodies, and outside of all "
-                        "bodies; sides of the box that it reaches beyond cut it, the others are no "
-                        "boundaries",
-            .unit     = "m",
-            .standard = "the box",
-            .table    = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene",
-        },
+        OPTION(EXPRESSION, "-scene_body_<k>_rotation",
+               "rotation rate of a body about its centre, of t: about z, in 3D also about x, y, z",
+               "rad/s", "0", .where = "-case scene, bodies that are given"),
+    [VESSEL] = OPTION(
+        SHAPE, "-scene_domain",
+        "the fluid is inside this shape, a shape as of bodies, and outside of all bodies; sides of "
+        "the box that it reaches beyond cut it, the others are no boundaries",
+        "m", "the box", .table = &ShapeTable, .table_3d = &SolidTable, .where = "-case scene"),
     [VESSEL_PLACE] =
-        {
-            .name     = "-scene_domain_place",
-            .kind     = VALUE_REALS,
-            .brief    = "way and turn of the domain, as of a body",
-            .unit     = "m",
-            .standard = "0",
-            .where    = "-case scene with -scene_domain",
-        },
-    [VESSEL_VELOCITY] =
-        {
-            .name     = "-scene_domain_velocity",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v[,w] of the walls of the domain, of t, as of a body",
-            .unit     = "m/s",
-            .standard = "0",
-            .where    = "-case scene with -scene_domain",
-        },
-    [VESSEL_POSITION] =
-        {
-            .name     = "-scene_domain_position",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "position x,y[,z] of the centre of a domain that moves, of t",
-            .unit     = "m",
-            .standard = "from the shape and the velocity",
-            .where    = "-case scene with -scene_domain, particles that move",
-        },
+        OPTION(REALS, "-scene_domain_place", "way and turn of the domain, as of a body", "m", "0",
+               .where = "-case scene with -scene_domain"),
+    [VESSEL_VELOCITY] = OPTION(EXPRESSION, "-scene_domain_velocity",
+                               "velocity u,v[,w] of the walls of the domain, of t, as of a body",
+                               "m/s", "0", .where = "-case scene with -scene_domain"),
+    [VESSEL_POSITION] = OPTION(EXPRESSION, "-scene_domain_position",
+                               "position x,y[,z] of the centre of a domain that moves, of t", "m",
+                               "from the shape and the velocity",
+                               .where = "-case scene with -scene_domain, particles that move"),
     [VESSEL_ROTATION] =
-        {
-            .name     = "-scene_domain_rotation",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "rotation rate of the walls of the domain about its centre, of t, as of a "
-                        "body",
-            .unit     = "rad/s",
-            .standard = "0",
-            .where    = "-case scene with -scene_domain",
-        },
-    [PART] =
-        {
-            .name     = "-scene_part_<k>",
-            .kind     = VALUE_SHAPE,
-            .brief    = "part of the walls of the domain inside this shape, a shape as of bodies, "
-                        "with a velocity of its own; parts are numbered 1, 2, ..., and a later one "
-                        "covers an earlier one",
-            .unit     = "m",
-            .table    = &ShapeTable,
-            .table_3d = &SolidTable,
-            .where    = "-case scene with -scene_domain",
-        },
-    [PART_VELOCITY] =
-        {
-            .name  = "-scene_part_<k>_velocity",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "velocity u,v[,w] of this part, along the surface, of x, y[, z], t",
-            .unit  = "m/s",
-            .where = "-case scene, parts that are given",
-        },
+        OPTION(EXPRESSION, "-scene_domain_rotation",
+               "rotation rate of the walls of the domain about its centre, of t, as of a body",
+               "rad/s", "0", .where = "-case scene with -scene_domain"),
+    [PART] = OPTION(
+        SHAPE, "-scene_part_<k>",
+        "part of the walls of the domain inside this shape, a shape as of bodies, with a velocity "
+        "of its own; parts are numbered 1, 2, ..., and a later one covers an earlier one",
+        "m", NULL, .table = &ShapeTable, .table_3d = &SolidTable,
+        .where = "-case scene with -scene_domain"),
+    [PART_VELOCITY] = OPTION(EXPRESSION, "-scene_part_<k>_velocity",
+                             "velocity u,v[,w] of this part, along the surface, of x, y[, z], t",
+                             "m/s", NULL, .where = "-case scene, parts that are given"),
 };
 const OptionTable BodyOptions = OPTIONS("Bodies and domain of typed scenes", options);
 

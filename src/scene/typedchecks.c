@@ -12,24 +12,12 @@
 
 enum { FRAME_ROTATION, FRAME_CENTRE };
 static const OptionRow options[] = {
-    [FRAME_ROTATION] =
-        {
-            .name     = "-frame_rotation",
-            .kind     = VALUE_EXPRESSION,
-            .brief    = "rotation rate of the frame of reference about z, of t",
-            .unit     = "rad/s",
-            .standard = "that of the first body that is not round",
-            .where    = "-motion frame",
-        },
+    [FRAME_ROTATION] = OPTION(EXPRESSION, "-frame_rotation",
+                              "rotation rate of the frame of reference about z, of t", "rad/s",
+                              "that of the first body that is not round", .where = "-motion frame"),
     [FRAME_CENTRE] =
-        {
-            .name     = "-frame_centre",
-            .kind     = VALUE_REALS,
-            .brief    = "point x,y about which the frame turns",
-            .unit     = "m",
-            .standard = "centre of that body, or the middle of the box",
-            .where    = "-motion frame",
-        },
+        OPTION(REALS, "-frame_centre", "point x,y about which the frame turns", "m",
+               "centre of that body, or the middle of the box", .where = "-motion frame"),
 };
 const OptionTable FrameOptions = OPTIONS("Turning frame of reference", options);
 

@@ -19,14 +19,8 @@ static const SchemeRow *const schemes[]   = {SCHEMES(ADDRESS)};
 const Table                   SchemeTable = TABLE_OF_POINTERS("Schemes", schemes);
 
 static const OptionRow options[] = {
-    {
-        .name     = "-scheme",
-        .kind     = VALUE_NAME,
-        .brief    = "scheme that advances velocity and pressure",
-        .standard = REGIME,
-        .table    = &SchemeTable,
-        .where    = "flows",
-    },
+    OPTION(NAME, "-scheme", "scheme that advances velocity and pressure", NULL, REGIME,
+           .table = &SchemeTable, .where = "flows"),
 };
 const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 

@@ -8,16 +8,10 @@
 #define LOOSEST_RTOL 0.01 /* largest allowed tolerance of a KSP */
 
 static const OptionRow options[] = {
-    {
-        .name     = "-fallback",
-        .expert   = PETSC_TRUE,
-        .kind     = VALUE_INT,
-        .brief    = "largest number of solves in a row that fallback methods may take over; -1: no "
-                    "fallback, the first failure ends the step",
-        .standard = "10",
-        .low      = -1.0,
-        .high     = OPTION_HUGE,
-    },
+    OPTION(INT, "-fallback",
+           "largest number of solves in a row that fallback methods may take over; -1: no "
+           "fallback, the first failure ends the step",
+           NULL, "10", .expert = PETSC_TRUE, .low = -1.0, .high = OPTION_HUGE),
 };
 const OptionTable GuardOptions = OPTIONS("Guard of linear solves", options);
 

@@ -6,15 +6,10 @@
 #define CLOCK_GOOD_NEEDED 10 /* good_needed before the first failure, which doubles it */
 
 static const DtAdaptRow adapts[] = {
-    {
-        .name    = "cfl",
-        .brief   = "from -cfl with the present speed, and from the body force",
-        .follows = PETSC_TRUE,
-    },
-    {
-        .name  = "none",
-        .brief = "-dt, or from -cfl with the reference speed",
-    },
+    {.name    = "cfl",
+     .brief   = "from -cfl with the present speed, and from the body force",
+     .follows = PETSC_TRUE},
+    {.name = "none", .brief = "-dt, or from -cfl with the reference speed"},
     {
         .name    = "retry",
         .brief   = "as cfl (or -dt); a failed step is undone and repeated with half the length",
@@ -48,115 +43,35 @@ enum {
 };
 static const OptionRow options[] = {
     [T_END] =
-        {
-            .name     = "-t_end",
-            .also     = " tmax t_max time end_time final_time ",
-            .kind     = VALUE_REAL,
-            .brief    = "end of the run",
-            .unit     = "s",
-            .standard = "of the case, a multiple of L/U",
-            NOT_NEGATIVE,
-            .where = "flows",
-        },
-    [DT] =
-        {
-            .name     = "-dt",
-            .kind     = VALUE_REAL,
-            .brief    = "time step; 0: from -cfl",
-            .unit     = "s",
-            .standard = "0",
-            NOT_NEGATIVE,
-            .where = "flows",
-        },
-    [CFL] =
-        {
-            .name  = "-cfl",
-            .kind  = VALUE_REAL,
-            .brief = "time step in units of dx/U; U is the larger of the reference speed and the "
-                     "present speed",
-            .unit  = "-",
-            .standard = REGIME,
-            .low      = 1e-6,
-            .high     = 1e6,
-            .where    = "flows",
-        },
-    [DT_ADAPT] =
-        {
-            .name     = "-dt_adapt",
-            .kind     = VALUE_NAME,
-            .brief    = "control of the length of steps",
-            .standard = REGIME,
-            .table    = &DtAdaptTable,
-            .where    = "flows",
-        },
-    [DT_MAX] =
-        {
-            .name     = "-dt_max",
-            .kind     = VALUE_REAL,
-            .brief    = "upper bound of the time step",
-            .unit     = "s",
-            .standard = "no bound",
-            POSITIVE,
-            .where = "flows without -dt",
-        },
-    [DT_RTOL] =
-        {
-            .name  = "-dt_rtol",
-            .kind  = VALUE_REAL,
-            .brief = "largest error of the velocity in a step (root mean square), in units of the "
-                     "largest root mean square velocity so far, at least U/10",
-            .unit  = "-",
-            .standard = PetscStringize(CLOCK_RTOL),
-            .low      = 1e-8,
-            .high     = 0.1,
-            .where    = "-dt_adapt error",
-        },
-    [MAX_STEPS] =
-        {
-            .name     = "-max_steps",
-            .kind     = VALUE_INT,
-            .brief    = "number of steps after which the run stops",
-            .standard = "no limit",
-            NOT_NEGATIVE,
-            .where = "flows",
-        },
-    [TIME_ORDER] =
-        {
-            .name     = "-time_order",
-            .kind     = VALUE_INT,
-            .brief    = "order of the time integration",
-            .standard = "2",
-            .low      = 1,
-            .high     = 3,
-            .where    = "-scheme projection or coupled",
-        },
-    [STEADY] =
-        {
-            .name     = "-steady",
-            .kind     = VALUE_SWITCH,
-            .brief    = "solve for the steady flow, without du/dt",
-            .standard = "false",
-            .where    = "-scheme coupled",
-        },
+        OPTION(REAL, "-t_end", "end of the run", "s", "of the case, a multiple of L/U",
+               .also = " tmax t_max time end_time final_time ", NOT_NEGATIVE, .where = "flows"),
+    [DT] = OPTION(REAL, "-dt", "time step; 0: from -cfl", "s", "0", NOT_NEGATIVE, .where = "flows"),
+    [CFL] = OPTION(
+        REAL, "-cfl",
+        "time step in units of dx/U; U is the larger of the reference speed and the present speed",
+        "-", REGIME, .low = 1e-6, .high = 1e6, .where = "flows"),
+    [DT_ADAPT]  = OPTION(NAME, "-dt_adapt", "control of the length of steps", NULL, REGIME,
+                         .table = &DtAdaptTable, .where = "flows"),
+    [DT_MAX]    = OPTION(REAL, "-dt_max", "upper bound of the time step", "s", "no bound", POSITIVE,
+                         .where = "flows without -dt"),
+    [DT_RTOL]   = OPTION(REAL, "-dt_rtol",
+                         "largest error of the velocity in a step (root mean square), in units of "
+                           "the largest root mean square velocity so far, at least U/10",
+                         "-", PetscStringize(CLOCK_RTOL), .low = 1e-8, .high = 0.1,
+                         .where = "-dt_adapt error"),
+    [MAX_STEPS] = OPTION(INT, "-max_steps", "number of steps after which the run stops", NULL,
+                         "no limit", NOT_NEGATIVE, .where = "flows"),
+    [TIME_ORDER] = OPTION(INT, "-time_order", "order of the time integration", NULL, "2", .low = 1,
+                          .high = 3, .where = "-scheme projection or coupled"),
+    [STEADY] = OPTION(SWITCH, "-steady", "solve for the steady flow, without du/dt", NULL, "false",
+                      .where = "-scheme coupled"),
     [STEADY_TOL] =
-        {
-            .name  = "-steady_tol",
-            .kind  = VALUE_REAL,
-            .brief = "stop when u, div u* and p change by less than this per time scale; 0: never",
-            .unit  = "-",
-            .standard = "0",
-            .low      = 0.0,
-            .high     = 1.0,
-            .where    = "flows",
-        },
-    [REPORT_TIMES] =
-        {
-            .name  = "-report_times",
-            .kind  = VALUE_REALS,
-            .brief = "times besides the end at which quantities are reported, ascending",
-            .unit  = "s",
-            .where = "flows",
-        },
+        OPTION(REAL, "-steady_tol",
+               "stop when u, div u* and p change by less than this per time scale; 0: never", "-",
+               "0", .low = 0.0, .high = 1.0, .where = "flows"),
+    [REPORT_TIMES] = OPTION(REALS, "-report_times",
+                            "times besides the end at which quantities are reported, ascending",
+                            "s", NULL, .where = "flows"),
 };
 const OptionTable TimeOptions = OPTIONS("Time", options);
 

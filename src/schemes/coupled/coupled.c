@@ -21,15 +21,8 @@ static const CoupledGradientRow gradients[] = {
 const Table CoupledGradientTable = TABLE("Pressure gradients of the coupled scheme", gradients);
 
 static const OptionRow options[] = {
-    {
-        .name     = "-coupled_gradient",
-        .expert   = PETSC_TRUE,
-        .kind     = VALUE_NAME,
-        .brief    = "pressure gradient",
-        .standard = REGIME,
-        .table    = &CoupledGradientTable,
-        .where    = "-scheme coupled with -pressure_points same",
-    },
+    OPTION(NAME, "-coupled_gradient", "pressure gradient", NULL, REGIME, .expert = PETSC_TRUE,
+           .table = &CoupledGradientTable, .where = "-scheme coupled with -pressure_points same"),
 };
 const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 
@@ -212,19 +205,15 @@ static PetscErrorCode CoupledDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage start = {
-    .name   = "start",
-    .brief  = "pressure of the last step",
-    .Do     = CoupledStart,
-    .solves = PETSC_TRUE,
-};
+static const Stage start = {.name   = "start",
+                            .brief  = "pressure of the last step",
+                            .Do     = CoupledStart,
+                            .solves = PETSC_TRUE};
 
-static const Stage solve = {
-    .name   = "solve",
-    .brief  = "new velocity and pressure together",
-    .Do     = CoupledSolve,
-    .solves = PETSC_TRUE,
-};
+static const Stage solve = {.name   = "solve",
+                            .brief  = "new velocity and pressure together",
+                            .Do     = CoupledSolve,
+                            .solves = PETSC_TRUE};
 
 static const Stage *const stages[] = {
     &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,

@@ -12,14 +12,8 @@
 #include "viscosity.h"
 
 static const OptionRow options[] = {
-    {
-        .name     = "-visc_ts_type",
-        .kind     = VALUE_NAME,
-        .brief    = "time integrator of viscosity",
-        .standard = TSBEULER,
-        .table    = &ViscousIntegratorTable,
-        .where    = "-scheme projection with viscosity",
-    },
+    OPTION(NAME, "-visc_ts_type", "time integrator of viscosity", NULL, TSBEULER,
+           .table = &ViscousIntegratorTable, .where = "-scheme projection with viscosity"),
 };
 const OptionTable ViscosityOptions = OPTIONS("Viscosity", options);
 

@@ -116,20 +116,16 @@ static PetscBool HasPressure(const Flow *flow)
   return ((const Projection *)flow->scheme->data)->row ? PETSC_TRUE : PETSC_FALSE;
 }
 
-static const Stage predict = {
-    .name   = "predict",
-    .brief  = "velocity after force and viscosity, u*",
-    .Do     = PredictVelocity,
-    .solves = PETSC_TRUE,
-};
+static const Stage predict = {.name   = "predict",
+                              .brief  = "velocity after force and viscosity, u*",
+                              .Do     = PredictVelocity,
+                              .solves = PETSC_TRUE};
 
-static const Stage project = {
-    .name    = "project",
-    .brief   = "pressure from div u*, new velocity",
-    .Applies = HasPressure,
-    .Do      = ProjectVelocity,
-    .solves  = PETSC_TRUE,
-};
+static const Stage project = {.name    = "project",
+                              .brief   = "pressure from div u*, new velocity",
+                              .Applies = HasPressure,
+                              .Do      = ProjectVelocity,
+                              .solves  = PETSC_TRUE};
 
 static const Stage *const stages[] = {
     &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,

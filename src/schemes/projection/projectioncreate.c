@@ -36,48 +36,20 @@ const Table ConvectionTable = TABLE("Convection of fixed particles", convections
 enum { PROJECTION, CONVECTION, ALPHA, FILTER };
 static const OptionRow options[] = {
     [CONVECTION] =
-        {
-            .name     = "-convection",
-            .kind     = VALUE_NAME,
-            .brief    = "convective term of fixed particles",
-            .standard = "explicit",
-            .table    = &ConvectionTable,
-            .where    = "-scheme projection with -motion eulerian, viscosity and convection",
-        },
-    [PROJECTION] =
-        {
-            .name     = "-projection",
-            .kind     = VALUE_NAME,
-            .brief    = "update of the pressure",
-            .standard = "rotational",
-            .table    = &ProjectionTable,
-            .where    = "-scheme projection with pressure",
-        },
-    [ALPHA] =
-        {
-            .name     = "-ppe_alpha",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "share of the density error in the pressure source; at most 0.4 unless "
-                        "-projection chorin",
-            .unit     = "-",
-            .standard = "0",
-            .low      = 0.0,
-            .high     = 0.9,
-            .where    = "-scheme projection with -pressure_points same",
-        },
+        OPTION(NAME, "-convection", "convective term of fixed particles", NULL, "explicit",
+               .table = &ConvectionTable,
+               .where = "-scheme projection with -motion eulerian, viscosity and convection"),
+    [PROJECTION] = OPTION(NAME, "-projection", "update of the pressure", NULL, "rotational",
+                          .table = &ProjectionTable, .where = "-scheme projection with pressure"),
+    [ALPHA]      = OPTION(
+             REAL, "-ppe_alpha",
+             "share of the density error in the pressure source; at most 0.4 unless -projection chorin",
+             "-", "0", .expert = PETSC_TRUE, .low = 0.0, .high = 0.9,
+             .where = "-scheme projection with -pressure_points same"),
     [FILTER] =
-        {
-            .name     = "-ppe_filter",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "strength of the grid-scale filter of the pressure; 0: off",
-            .unit     = "-",
-            .standard = REGIME,
-            .low      = 0.0,
-            .high     = 2.0,
-            .where    = "-scheme projection with -pressure_points same",
-        },
+        OPTION(REAL, "-ppe_filter", "strength of the grid-scale filter of the pressure; 0: off",
+               "-", REGIME, .expert = PETSC_TRUE, .low = 0.0, .high = 2.0,
+               .where = "-scheme projection with -pressure_points same"),
 };
 const OptionTable ProjectionOptions = OPTIONS("Projection", options);
 

@@ -349,12 +349,10 @@ static PetscBool HasScalars(const Flow *flow)
   return flow->state->scalars ? PETSC_TRUE : PETSC_FALSE;
 }
 
-const Stage StageScalars = {
-    .name    = "scalars",
-    .brief   = "temperature and other scalars that the fluid carries",
-    .Applies = HasScalars,
-    .Do      = ScalarsStep,
-};
+const Stage StageScalars = {.name    = "scalars",
+                            .brief   = "temperature and other scalars that the fluid carries",
+                            .Applies = HasScalars,
+                            .Do      = ScalarsStep};
 
 /* ScalarsDestroy - Frees the scalars; collective */
 PetscErrorCode ScalarsDestroy(Flow *flow)

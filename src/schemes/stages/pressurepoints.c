@@ -18,27 +18,12 @@ const Table PressurePointsTable = TABLE("Points of the pressure", points);
 
 enum { POINTS, SPACING };
 static const OptionRow options[] = {
-    [POINTS] =
-        {
-            .name     = "-pressure_points",
-            .kind     = VALUE_NAME,
-            .brief    = "where the pressure is known",
-            .standard = REGIME,
-            .table    = &PressurePointsTable,
-            .where    = "-scheme projection with pressure, or coupled",
-        },
-    [SPACING] =
-        {
-            .name     = "-pressure_spacing",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "edge of a cell of the lattice of the pressure",
-            .unit     = "dx",
-            .standard = "2",
-            .low      = 1.25,
-            .high     = 4.0,
-            .where    = "-pressure_points coarse",
-        },
+    [POINTS]  = OPTION(NAME, "-pressure_points", "where the pressure is known", NULL, REGIME,
+                       .table = &PressurePointsTable,
+                       .where = "-scheme projection with pressure, or coupled"),
+    [SPACING] = OPTION(REAL, "-pressure_spacing", "edge of a cell of the lattice of the pressure",
+                       "dx", "2", .expert = PETSC_TRUE, .low = 1.25, .high = 4.0,
+                       .where = "-pressure_points coarse"),
 };
 const OptionTable PressurePointsOptions = OPTIONS("Points of the pressure", options);
 

@@ -135,12 +135,10 @@ static PetscErrorCode FollowAndRebuild(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Stage StageMomentum = {
-    .name    = "momentum",
-    .brief   = "mean velocity, of flows that keep their momentum",
-    .Applies = KeepsMomentum,
-    .Do      = MomentumKeep,
-};
+const Stage StageMomentum = {.name    = "momentum",
+                             .brief   = "mean velocity, of flows that keep their momentum",
+                             .Applies = KeepsMomentum,
+                             .Do      = MomentumKeep};
 
 const Stage StageBodies = {
     .name    = "bodies",
@@ -149,67 +147,48 @@ const Stage StageBodies = {
     .Do      = BodiesMove,
 };
 
-const Stage StageMove = {
-    .name    = "move",
-    .brief   = "places by the flow and by shifting, bodies that move",
-    .Applies = Moves,
-    .Do      = FlowMove,
-};
+const Stage StageMove = {.name    = "move",
+                         .brief   = "places by the flow and by shifting, bodies that move",
+                         .Applies = Moves,
+                         .Do      = FlowMove};
 
-const Stage StageFilter = {
-    .name    = "filter",
-    .brief   = "velocities of fixed particles without grid modes",
-    .Applies = FiltersFirst,
-    .Do      = FlowFilter,
-};
+const Stage StageFilter = {.name    = "filter",
+                           .brief   = "velocities of fixed particles without grid modes",
+                           .Applies = FiltersFirst,
+                           .Do      = FlowFilter};
 
-const Stage StagePass = {
-    .name    = "pass",
-    .brief   = "particles leave and enter through openings",
-    .Applies = HasOpenings,
-    .Do      = OpeningsPass,
-};
+const Stage StagePass = {.name    = "pass",
+                         .brief   = "particles leave and enter through openings",
+                         .Applies = HasOpenings,
+                         .Do      = OpeningsPass};
 
-const Stage StageRebuild = {
-    .name    = "rebuild",
-    .brief   = "owners, neighbours and matrices at the new places",
-    .Applies = Moves,
-    .Do      = FollowAndRebuild,
-};
+const Stage StageRebuild = {.name    = "rebuild",
+                            .brief   = "owners, neighbours and matrices at the new places",
+                            .Applies = Moves,
+                            .Do      = FollowAndRebuild};
 
-const Stage StageVolume = {
-    .name    = "volume",
-    .brief   = "divergence that keeps the volume inside free surfaces",
-    .Applies = OwnsVolumes,
-    .Do      = VolumesControl,
-};
+const Stage StageVolume = {.name    = "volume",
+                           .brief   = "divergence that keeps the volume inside free surfaces",
+                           .Applies = OwnsVolumes,
+                           .Do      = VolumesControl};
 
-const Stage StageCollide = {
-    .name    = "collide",
-    .brief   = "collisions of fragments of a free surface",
-    .Applies = HasMovingSurface,
-    .Do      = FlowCollide,
-};
+const Stage StageCollide = {.name    = "collide",
+                            .brief   = "collisions of fragments of a free surface",
+                            .Applies = HasMovingSurface,
+                            .Do      = FlowCollide};
 
-const Stage StageMean = {
-    .name    = "mean",
-    .brief   = "restored mean velocity",
-    .Applies = KeepsMomentum,
-    .Do      = MomentumRestore,
-};
+const Stage StageMean = {.name    = "mean",
+                         .brief   = "restored mean velocity",
+                         .Applies = KeepsMomentum,
+                         .Do      = MomentumRestore};
 
 const Stage StageCheck = {
-    .name  = "check",
-    .brief = "energy, speed and divergence within their bounds",
-    .Do    = FlowCheck,
-};
+    .name = "check", .brief = "energy, speed and divergence within their bounds", .Do = FlowCheck};
 
-const Stage StageError = {
-    .name    = "error",
-    .brief   = "error in time and length of the next step",
-    .Applies = EstimatesError,
-    .Do      = TimeErrorCheck,
-};
+const Stage StageError = {.name    = "error",
+                          .brief   = "error in time and length of the next step",
+                          .Applies = EstimatesError,
+                          .Do      = TimeErrorCheck};
 
 static const Observer *const observers[] = {&ObserverFlight, &ObserverAcceleration};
 

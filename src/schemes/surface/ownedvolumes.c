@@ -25,19 +25,11 @@
 #define LARGEST  0.2    /* largest excess that counts, over the volume of the particle [-] */
 
 static const OptionRow options[] = {
-    {
-        .name   = "-surface_volume_rate",
-        .expert = PETSC_TRUE,
-        .kind   = VALUE_REAL,
-        .brief =
-            "share of an error of the volume at a free surface that the equations of mass take "
-            "back while the fluid is sheared by 1; 0: no control of the volume",
-        .unit     = "-",
-        .standard = "0.5",
-        .low      = 0.0,
-        .high     = 10.0,
-        .where    = "flows with a free surface that moves",
-    },
+    OPTION(REAL, "-surface_volume_rate",
+           "share of an error of the volume at a free surface that the equations of mass take back "
+           "while the fluid is sheared by 1; 0: no control of the volume",
+           "-", "0.5", .expert = PETSC_TRUE, .low = 0.0, .high = 10.0,
+           .where = "flows with a free surface that moves"),
 };
 const OptionTable SurfaceVolumeOptions = OPTIONS("Volume of fluids with a free surface", options);
 

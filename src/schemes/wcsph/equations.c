@@ -56,22 +56,18 @@ static PetscReal Density_IdealGas(const Wcsph *w, PetscReal p)
 }
 
 static const EquationOfStateRow equations[] = {
-    {
-        .name     = "tait",
-        .brief    = "p = rho_0 c0^2/7 ((rho/rho_0)^7 - 1)",
-        .citation = "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
-        .exponent = 7.0,
-        .Pressure = Pressure_Tait,
-        .Density  = Density_Tait,
-    },
-    {
-        .name     = "linear",
-        .brief    = "p = c0^2 (rho - rho_0)",
-        .citation = "Fang et al., Appl. Numer. Math. 59 (2009)",
-        .exponent = 1.0,
-        .Pressure = Pressure_Linear,
-        .Density  = Density_Linear,
-    },
+    {.name     = "tait",
+     .brief    = "p = rho_0 c0^2/7 ((rho/rho_0)^7 - 1)",
+     .citation = "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
+     .exponent = 7.0,
+     .Pressure = Pressure_Tait,
+     .Density  = Density_Tait},
+    {.name     = "linear",
+     .brief    = "p = c0^2 (rho - rho_0)",
+     .citation = "Fang et al., Appl. Numer. Math. 59 (2009)",
+     .exponent = 1.0,
+     .Pressure = Pressure_Linear,
+     .Density  = Density_Linear},
     {
         .name       = "ideal_gas",
         .brief      = "p = 0.4 rho e with the energy equation; pressures less rho_0 c0^2/1.4",

@@ -125,43 +125,26 @@ static PetscErrorCode SetPressureAndMeasure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage integrate = {
-    .name  = "integrate",
-    .brief = "places, velocities and densities by the TS",
-    .Do    = WcsphIntegrate,
-};
+static const Stage integrate = {.name  = "integrate",
+                                .brief = "places, velocities and densities by the TS",
+                                .Do    = WcsphIntegrate};
 
 static const Stage shift = {
-    .name    = "shift",
-    .brief   = "particles evenly spread",
-    .Applies = Shifts,
-    .Do      = WcsphShift,
-};
+    .name = "shift", .brief = "particles evenly spread", .Applies = Shifts, .Do = WcsphShift};
 
 static const Stage settle = {
-    .name  = "settle",
-    .brief = "particles off walls, work of the force",
-    .Do    = Settle,
-};
+    .name = "settle", .brief = "particles off walls, work of the force", .Do = Settle};
 
 static const Stage rebuild = {
-    .name  = "rebuild",
-    .brief = "owners and neighbours at the new places",
-    .Do    = FollowPositions,
-};
+    .name = "rebuild", .brief = "owners and neighbours at the new places", .Do = FollowPositions};
 
-static const Stage volume = {
-    .name    = "volume",
-    .brief   = "densities that keep the volume",
-    .Applies = WcsphKeepsVolume,
-    .Do      = RestoreVolume,
-};
+static const Stage volume = {.name    = "volume",
+                             .brief   = "densities that keep the volume",
+                             .Applies = WcsphKeepsVolume,
+                             .Do      = RestoreVolume};
 
 static const Stage pressure = {
-    .name  = "pressure",
-    .brief = "density and pressure, Mach number",
-    .Do    = SetPressureAndMeasure,
-};
+    .name = "pressure", .brief = "density and pressure, Mach number", .Do = SetPressureAndMeasure};
 
 const Stage *const WcsphStages[] = {
     &integrate, &shift, &settle, &rebuild, &StageCheck, &volume, &pressure, NULL,

@@ -3,79 +3,30 @@
 
 enum { EQUATION, SOUND, DENSITY, REDUCTION, DIFFUSION, ARTIFICIAL, COURANT };
 static const OptionRow options[] = {
-    [EQUATION] =
-        {
-            .name     = "-equation_of_state",
-            .kind     = VALUE_NAME,
-            .brief    = "pressure as a function of density, and of energy for a gas",
-            .standard = "tait",
-            .table    = &EquationOfStateTable,
-            .where    = "-scheme wcsph",
-        },
-    [SOUND] =
-        {
-            .name     = "-sound_speed",
-            .kind     = VALUE_REAL,
-            .brief    = "speed of sound at rest",
-            .unit     = "m/s",
-            .standard = "10 times the largest of U, (nu U/L)^(1/2) and (|f| L)^(1/2)",
-            POSITIVE,
-            .where = "-scheme wcsph",
-        },
-    [DENSITY] =
-        {
-            .name     = "-density_form",
-            .kind     = VALUE_NAME,
-            .brief    = "equation of the density, and the pressure force that belongs to it",
-            .standard = "continuity",
-            .table    = &DensityFormTable,
-            .where    = "-scheme wcsph",
-        },
-    [REDUCTION] =
-        {
-            .name     = "-pressure_reduction",
-            .kind     = VALUE_NAME,
-            .brief    = "pressure that is subtracted before its gradient is computed",
-            .standard = "none",
-            .table    = &PressureReductionTable,
-            .where    = "-scheme wcsph",
-        },
-    [DIFFUSION] =
-        {
-            .name     = "-density_diffusion",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "delta of the diffusivity delta h c0 of the density; 0: off",
-            .unit     = "-",
-            .standard = "0.1",
-            .low      = 0.0,
-            .high     = 1.0,
-            .where    = "-scheme wcsph with -density_form continuity",
-        },
-    [ARTIFICIAL] =
-        {
-            .name     = "-artificial_viscosity",
-            .kind     = VALUE_REALS,
-            .brief    = "alpha,beta of Monaghan's viscosity between particles that approach",
-            .unit     = "-",
-            .standard = "0,0",
-            .low      = 0.0,
-            .high     = 100.0,
-            .where    = "-scheme wcsph",
-            .instead  = "in an incompressible fluid it acts as a larger -viscosity",
-        },
+    [EQUATION]   = OPTION(NAME, "-equation_of_state",
+                          "pressure as a function of density, and of energy for a gas", NULL, "tait",
+                          .table = &EquationOfStateTable, .where = "-scheme wcsph"),
+    [SOUND]      = OPTION(REAL, "-sound_speed", "speed of sound at rest", "m/s",
+                          "10 times the largest of U, (nu U/L)^(1/2) and (|f| L)^(1/2)", POSITIVE,
+                          .where = "-scheme wcsph"),
+    [DENSITY]    = OPTION(NAME, "-density_form",
+                          "equation of the density, and the pressure force that belongs to it", NULL,
+                          "continuity", .table = &DensityFormTable, .where = "-scheme wcsph"),
+    [REDUCTION]  = OPTION(NAME, "-pressure_reduction",
+                          "pressure that is subtracted before its gradient is computed", NULL,
+                          "none", .table = &PressureReductionTable, .where = "-scheme wcsph"),
+    [DIFFUSION]  = OPTION(REAL, "-density_diffusion",
+                          "delta of the diffusivity delta h c0 of the density; 0: off", "-", "0.1",
+                          .expert = PETSC_TRUE, .low = 0.0, .high = 1.0,
+                          .where = "-scheme wcsph with -density_form continuity"),
+    [ARTIFICIAL] = OPTION(REALS, "-artificial_viscosity",
+                          "alpha,beta of Monaghan's viscosity between particles that approach", "-",
+                          "0,0", .low = 0.0, .high = 100.0, .where = "-scheme wcsph",
+                          .instead = "in an incompressible fluid it acts as a larger -viscosity"),
     [COURANT] =
-        {
-            .name  = "-acoustic_cfl",
-            .kind  = VALUE_REAL,
-            .brief = "largest dt (c0 + U)/h",
-            .unit  = "-",
-            .standard =
-                "0.5, or 0.1 with a Runge-Kutta method of second order, which lets sound grow",
-            .low   = 1e-4,
-            .high  = 4.0,
-            .where = "-scheme wcsph",
-        },
+        OPTION(REAL, "-acoustic_cfl", "largest dt (c0 + U)/h", "-",
+               "0.5, or 0.1 with a Runge-Kutta method of second order, which lets sound grow",
+               .low = 1e-4, .high = 4.0, .where = "-scheme wcsph"),
 };
 const OptionTable WcsphOptions = OPTIONS("Weakly compressible flow", options);
 
