@@ -272,15 +272,10 @@ static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
   Collective. The bound allows twice the energy, because fluid that hits a wall or other fluid may
   gain energy for some steps and lose it again, which the gain records. W is of second order for the
   velocities of the particles, except after a start from rest: in the first step the force acts, but
-  no particle moves. The lag l of the work is (F dt)^2 then, and later the largest
-  F dt |change of |u|| of a step. Moving walls give energy, so that the gain has no dissipation with
-  them.
-
-  Input Parameter:
-. before - root mean square of the velocity at the start of the step [m/s]
-
-  Output Parameter:
-. bound - without the share for discretisation [m/s]
+  no particle moves. The lag l of the work is (F dt)^2 then, and later the largest F dt |change of
+  |u|| of a step. Moving walls give energy, so that the gain has no dissipation with them. Input:
+  before - root mean square of the velocity at the start of the step [m/s]. Output: bound - without
+  the share for discretisation [m/s].
 */
 PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound)
 {

@@ -53,10 +53,8 @@ static ISPH_WIDE void AddModes(PetscInt n, PetscReal weight, const PetscReal psi
 
   Collective. psi_q are harmonics of the box, whose integrals vanish; e_q are the errors of their
   integrals by the volumes of particles. The mean is exact for a constant, and to first order in e_q
-  for psi_q. On a lattice w_i is 1. See theory.md, (131).
-
-  Input Parameter:
-. u - components of the velocity at the particles [m/s]
+  for psi_q. On a lattice w_i is 1. See theory.md, (131). Input: u - components of the velocity at
+  the particles [m/s].
 */
 PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[])
 {
@@ -103,13 +101,9 @@ PetscErrorCode MomentumKeep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MomentumRestore - Shifts u^{n+1} of a flow that conserves its momentum to the mean velocity before
-  the step, state->mean
-
-  Collective. The shift is uniform: it changes neither divergence nor vorticity. It is of the order
-  of the truncation error of the rows.
-*/
+/* MomentumRestore - Shifts u^{n+1} of a flow that conserves its momentum to the mean velocity
+   before the step, state->mean. Collective. The shift is uniform: it changes neither divergence nor
+   vorticity. It is of the order of the truncation error of the rows. */
 PetscErrorCode MomentumRestore(Flow *flow)
 {
   const PetscReal *mean = flow->state->mean;

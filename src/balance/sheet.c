@@ -92,19 +92,11 @@ void BalanceSet(BalanceKind kind, PetscReal residual, PetscReal value, PetscReal
   sheet->t[kind]        = t;
 }
 
-/*
-  BalanceWorst - Finds the row of the balance sheet with the largest value over its bound
-
-  The same on all ranks. Rows of steps are known after each step, rows of boundaries after the
-  measurement of a report.
-
-  Output Parameters:
-+ name  - of the row in the report
-. value - violation of the balance, relative to its scale [-]
-- bound - its largest value that is not reported as a fault [-]
-
-  Returns: false, and no output, if no row applies
-*/
+/* BalanceWorst - Finds the row of the balance sheet with the largest value over its bound. The same
+   on all ranks. Rows of steps are known after each step, rows of boundaries after the measurement
+   of a report. Output: name - of the row in the report; value - violation of the balance, relative
+   to its scale [-]; bound - its largest value that is not reported as a fault [-]. Returns: false,
+   and no output, if no row applies. */
 PetscBool BalanceWorst(const Flow *flow, const char **name, PetscReal *value, PetscReal *bound)
 {
   const BalanceSheet *sheet = &flow->scheme->sheet;

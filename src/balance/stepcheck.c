@@ -96,12 +96,8 @@ static const char *StartOption(const Flow *flow)
   return flow->scene->velocity.n ? "-scene_velocity" : "-scene_exact";
 }
 
-/*
-  FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of a
-  run
-
-  Collective. Errors: a speed whose square is not finite ends the run
-*/
+/* FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of
+   a run. Collective. Errors: a speed whose square is not finite ends the run. */
 PetscErrorCode FlowMeasureStart(Flow *flow)
 {
   Scheme   *s = flow->scheme;
@@ -218,13 +214,9 @@ static PetscErrorCode CheckSolids(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowCheck - Measures the velocity u_next at the end of a step, and fails the step if the flow is
-  invalid
-
-  Collective. Sets scheme->failure if the root mean square velocity is not finite or exceeds its
-  bound, or if a particle has at least a hundred times the reference speed.
-*/
+/* FlowCheck - Measures the velocity u_next at the end of a step, and fails the step if the flow is
+   invalid. Collective. Sets scheme->failure if the root mean square velocity is not finite or
+   exceeds its bound, or if a particle has at least a hundred times the reference speed. */
 PetscErrorCode FlowCheck(Flow *flow)
 {
   const Clock    *clock  = flow->clock;
@@ -282,14 +274,10 @@ PetscErrorCode FlowRemember(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  UnevennessReport - Adds the unevenness to the figures of the scheme
-
-  It is the largest root mean square of C - 1 so far, with the concentration C of particles that
-  shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too long for the
-  strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, and by more than 2.5 %
-  from 0.2 on.
-*/
+/* UnevennessReport - Adds the unevenness to the figures of the scheme. It is the largest root mean
+   square of C - 1 so far, with the concentration C of particles that shifting spreads in a full
+   box. In taylor_green (Re = 100, n = 24 to 64) steps too long for the strain of the flow make it:
+   up to 0.12 the velocity errs by at most 0.6 %, and by more than 2.5 % from 0.2 on. */
 PetscErrorCode UnevennessReport(Flow *flow)
 {
   Scheme *s = flow->scheme;

@@ -50,18 +50,12 @@ static PetscErrorCode ReadLines(FILE *stream, PetscInt found[3], PetscReal **val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CsvRead - Reads the lines of numbers of a CSV file: '#' comments, a header or none, and lines that
-  all have the same number of finite numbers
-
-  Collective on PETSC_COMM_WORLD. Input: stream - the file, on the first rank; NULL: there is none.
-
-  Output Parameters:
-+ rows    - number of lines with numbers; -1: there is no file
-. columns - numbers in each
-. value   - the numbers, line after line, the same on all ranks; freed by PetscFree()
-- bad     - number in the file of the first line that is wrong; 0: none
-*/
+/* CsvRead - Reads the lines of numbers of a CSV file: '#' comments, a header or none, and lines
+   that all have the same number of finite numbers. Collective on PETSC_COMM_WORLD. Input: stream -
+   the file, on the first rank; NULL: there is none. Output: rows - number of lines with numbers;
+   -1: there is no file; columns - numbers in each; value - the numbers, line after line, the same
+   on all ranks; freed by PetscFree(); bad - number in the file of the first line that is wrong; 0:
+   none. */
 PetscErrorCode CsvRead(FILE *stream, PetscInt *rows, PetscInt *columns, PetscReal **value,
                        PetscInt *bad)
 {

@@ -146,12 +146,9 @@ PetscErrorCode ErrorsInstall(ErrorState *state)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ErrorsKeep - Installs an error handler that keeps the message of an error of the user, and prints
-  defects of the program only
-
-  Not collective. Every call needs one of ErrorsRelease(). Output: state - must exist until then.
-*/
+/* ErrorsKeep - Installs an error handler that keeps the message of an error of the user, and prints
+   defects of the program only. Not collective. Every call needs one of ErrorsRelease(). Output:
+   state - must exist until then. */
 PetscErrorCode ErrorsKeep(ErrorState *state)
 {
   PetscFunctionBegin;
@@ -174,11 +171,8 @@ PetscErrorCode ErrorsRelease(PetscErrorCode code, const ErrorState *state)
                     "%s", kept->message);
 }
 
-/*
-  FirstRankDecides - Broadcasts a flag of the first rank, which alone opened or wrote a file
-
-  Collective on PETSC_COMM_WORLD.
-*/
+/* FirstRankDecides - Broadcasts a flag of the first rank, which alone opened or wrote a file.
+   Collective on PETSC_COMM_WORLD. */
 PetscErrorCode FirstRankDecides(PetscBool *verdict)
 {
   PetscInt decided = *verdict ? 1 : 0;
@@ -208,14 +202,9 @@ PetscErrorCode SayLine(const char format[], ...)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ErrorsExit - Ends the program after an error
-
-  Collective for errors of the user that all ranks detect together. A single rank may have detected
-  any other error, for example a file that the first rank cannot open; this rank aborts the others.
-
-  Returns: the exit status, never zero
-*/
+/* ErrorsExit - Ends the program after an error. Collective for errors of the user that all ranks
+   detect together. A single rank may have detected any other error, for example a file that the
+   first rank cannot open; this rank aborts the others. Returns: the exit status, never zero. */
 int ErrorsExit(PetscErrorCode code, const ErrorState *state)
 {
   int size = 1;

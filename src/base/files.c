@@ -50,12 +50,9 @@ PetscBool FileReplace(const char part[], const char path[])
   return FileIsOrdinary(path) && !rename(part, path);
 }
 
-/*
-  FileReserve - Finds out if a file of so many bytes can be written
-
-  Collective on PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each
-  file, because HDF5 aborts on a full disk. Removes an existing regular file of that name.
-*/
+/* FileReserve - Finds out if a file of so many bytes can be written. Collective on
+   PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each file, because
+   HDF5 aborts on a full disk. Removes an existing regular file of that name. */
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 {
   PetscMPIInt rank;
@@ -75,12 +72,9 @@ PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ViewerCheck - Ends the run if text could not be written to an ASCII viewer
-
-  Collective on PETSC_COMM_WORLD. PETSc itself ignores a full disk. Input: option - of the viewer,
-  for the message.
-*/
+/* ViewerCheck - Ends the run if text could not be written to an ASCII viewer. Collective on
+   PETSC_COMM_WORLD. PETSc itself ignores a full disk. Input: option - of the viewer, for the
+   message. */
 PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[])
 {
   PetscBool   ascii, good = PETSC_TRUE;

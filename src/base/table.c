@@ -37,11 +37,8 @@ PetscInt TableCount(const Table *table)
   return n;
 }
 
-/*
-  TableGet - Returns the name, the brief and the citation of row k, with which every row begins
-
-  Not collective. Input: k - at least 0, less than TableCount().
-*/
+/* TableGet - Returns the name, the brief and the citation of row k, with which every row begins.
+   Not collective. Input: k - at least 0, less than TableCount(). */
 const TableRow *TableGet(const Table *table, PetscInt k)
 {
   for (PetscInt e = 0; k >= table->count && e < EXTENSIONS; e++) {
@@ -103,11 +100,8 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TableView - Lists a table for -catalogue: names, briefs, publications and declared properties
-
-  Collective on the viewer.
-*/
+/* TableView - Lists a table for -catalogue: names, briefs, publications and declared properties.
+   Collective on the viewer. */
 PetscErrorCode TableView(const Table *table, const char options[], PetscViewer viewer)
 {
   PetscFunctionBegin;
@@ -128,12 +122,9 @@ PetscErrorCode TableView(const Table *table, const char options[], PetscViewer v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TableViewRow - Prints a chosen row as a line of the banner: label, name, brief and citation
-
-  Collective on the viewer. The brief is omitted if the line would exceed 100 columns and the row
-  has a citation. If row is NULL, nothing is printed.
-*/
+/* TableViewRow - Prints a chosen row as a line of the banner: label, name, brief and citation.
+   Collective on the viewer. The brief is omitted if the line would exceed 100 columns and the row
+   has a citation. If row is NULL, nothing is printed. */
 PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer)
 {
   const TableRow *r = row;

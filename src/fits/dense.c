@@ -4,15 +4,10 @@
 */
 #include "isph/fits.h"
 
-/*
-  DenseCholesky - Factors a symmetric positive definite matrix in place
-
-  Input/Output Parameter:
-. a - n x n matrix by rows, of which the lower triangle is read; out: L with L L^T = a, the diagonal
-      of L replaced by its inverse
-
-  Returns: 0, or 1 + the index of the first row whose pivot is at most 1e-10 of its diagonal entry
-*/
+/* DenseCholesky - Factors a symmetric positive definite matrix in place. Input/Output: a - n x n
+   matrix by rows, of which the lower triangle is read; out: L with L L^T = a, the diagonal of L
+   replaced by its inverse. Returns: 0, or 1 + the index of the first row whose pivot is at most
+   1e-10 of its diagonal entry. */
 PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 {
   for (PetscInt j = 0; j < n; j++) {
@@ -33,19 +28,10 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
   return 0;
 }
 
-/*
-  DenseCholeskyRidge - Factors a symmetric matrix plus a multiple of the unit matrix
-
-  Tries the multiples ridge, 100 ridge, ... of the trace until the sum is positive definite. A
-  matrix with NaN or infinity gives no valid factor.
-
-  Input Parameters:
-+ a     - n x n by rows
-- ridge - first multiple, divided by the trace
-
-  Output Parameter:
-. factor - as from DenseCholesky()
-*/
+/* DenseCholeskyRidge - Factors a symmetric matrix plus a multiple of the unit matrix. Tries the
+   multiples ridge, 100 ridge, ... of the trace until the sum is positive definite. A matrix with
+   NaN or infinity gives no valid factor. Input: a - n x n by rows; ridge - first multiple, divided
+   by the trace. Output: factor - as from DenseCholesky(). */
 void DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[])
 {
   PetscReal trace = 0.0;
@@ -105,14 +91,9 @@ static ISPH_INLINE void Eliminate(PetscInt n, PetscReal A[], PetscInt rows, Pets
   }
 }
 
-/*
-  DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
-  with pivoting
-
-  Input/Output Parameters:
-+ A - n x n by rows; out: D on the diagonal, with zeros if A is singular
-- B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q
-*/
+/* DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
+   with pivoting. Input/Output: A - n x n by rows; out: D on the diagonal, with zeros if A is
+   singular; B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q. */
 void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
   if (n == 2 && rows == 2) Eliminate(2, A, 2, B);
@@ -134,13 +115,9 @@ ISPH_WIDE void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weigh
 
     M_ab = sum_k weight_k X_a X_b
 
-  Input Parameter:
-. weight - weight of each neighbour; for the corrected kernel gradient those of MomentWeights()
-
-  Output Parameter:
-. inverse - dim x dim by rows
-
-  Returns: PETSC_FALSE and the unit matrix if the neighbours do not span space
+  Input: weight - weight of each neighbour; for the corrected kernel gradient those of
+  MomentWeights(). Output: inverse - dim x dim by rows. Returns: PETSC_FALSE and the unit matrix if
+  the neighbours do not span space
 */
 PetscBool MomentInverse(const Stencil *st, const PetscReal weight[], PetscReal inverse[])
 {

@@ -2,16 +2,9 @@
 #include "isph/fits.h"
 #include <petscblaslapack.h>
 
-/*
-  DenseEigen - Solves K V = M V diag(lambda), V^T M V = 1, for n x n matrices
-
-  Input Parameters:
-+ K, M - symmetric, M positive definite; destroyed
-
-  Output Parameters:
-+ lambda - eigenvalues in ascending order
-- V      - eigenvectors in columns, by rows
-*/
+/* DenseEigen - Solves K V = M V diag(lambda), V^T M V = 1, for n x n matrices. Input: K, M -
+   symmetric, M positive definite; destroyed. Output: lambda - eigenvalues in ascending order; V -
+   eigenvectors in columns, by rows. */
 PetscErrorCode DenseEigen(PetscInt n, PetscReal K[], PetscReal M[], PetscReal lambda[],
                           PetscReal V[])
 {

@@ -207,18 +207,11 @@ static PetscInt FindBeyond(const Particles *p, const PetscReal x[], PetscInt cou
 
   A fit over the particles within 2.5 dx that see the same interface as the one to which x is
   nearest: exact for straight interfaces, however the particles lie and however thin a fluid is
-  between two of them; of second order for curved ones.
-
-  Input Parameters:
-+ p     - the particles
-. x     - the place [m]
-- list  - `count` local indices near it; walls are left out
-
-  Output Parameter:
-. plane - with an interface its plane; without, both fluids are that of the nearest particle
-
-  Returns: true if there is an interface, that is, if particles see it and fluid beyond it is near.
-  The fluid at x is plane->fluid[plane->offset < 0].
+  between two of them; of second order for curved ones. Input: p - the particles; x - the place [m];
+  list - `count` local indices near it; walls are left out. Output: plane - with an interface its
+  plane; without, both fluids are that of the nearest particle. Returns: true if there is an
+  interface, that is, if particles see it and fluid beyond it is near. The fluid at x is
+  plane->fluid[plane->offset < 0].
 */
 PetscBool InterfaceNear(const Particles *p, const PetscReal x[], PetscInt count,
                         const PetscInt list[], InterfacePlane *plane)

@@ -73,17 +73,9 @@ static ISPH_WIDE void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[]
 
     W(r) = sigma_d/h^d w(r/h)
 
-  with the shape w and the factor sigma_d of the kernel's row, d = dim
-
-  Input Parameters:
-+ dim - 1, 2 or 3
-. h   - smoothing length [m]
-- r   - distances less than the radius of the support [m]
-
-  Output Parameters:
-+ W   - [m^-dim]
-. dW  - dW/dr [m^-(dim+1)]
-- ddW - d2W/dr2 [m^-(dim+2)]
+  with the shape w and the factor sigma_d of the kernel's row, d = dim. Input: dim - 1, 2 or 3; h -
+  smoothing length [m]; r - distances less than the radius of the support [m]. Output: W - [m^-dim];
+  dW - dW/dr [m^-(dim+1)]; ddW - d2W/dr2 [m^-(dim+2)].
 */
 ISPH_WIDE void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
                                  const PetscReal r[], PetscReal W[], PetscReal dW[],

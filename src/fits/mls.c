@@ -165,23 +165,20 @@ PetscErrorCode GradientRow_MlsDegree(Stencil *st, PetscInt degree, PetscReal *g[
 }
 
 /*
-  FilterRow_Mls - Computes the residual of a fit with a free constant, theory.md, (22); its
-  degree is the largest even one up to st->degree
+  FilterRow_Mls - Computes the residual of a fit with a free constant, theory.md, (22); its degree
+  is the largest even one up to st->degree
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
 
   phi_k and M are the basis at neighbour k and the moment matrix of the fit that interpolates f_i
   (top of this file). The constant c_0 is eliminated by hand. For a neighbour that gives n.grad f,
-  w_k lacks the term 1, and m lacks the term of this neighbour.
-
-  Properties: vanishes for polynomials of the degree on any arrangement of particles. With quadratic
-  fits it is of order dx^4 for smooth fields inside a lattice, and of order dx^3 on disordered
-  particles and beside a boundary; with wendland_c2 and h/dx = 1.3 in 2D it is 0.81 f_i for a
-  checkerboard and 0.26 f_i for stripes.
-  Not symmetric.
-
-  Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
+  w_k lacks the term 1, and m lacks the term of this neighbour. Properties: vanishes for polynomials
+  of the degree on any arrangement of particles. With quadratic fits it is of order dx^4 for smooth
+  fields inside a lattice, and of order dx^3 on disordered particles and beside a boundary; with
+  wendland_c2 and h/dx = 1.3 in 2D it is 0.81 f_i for a checkerboard and 0.26 f_i for stripes. Not
+  symmetric. Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004)
+  183-201
 */
 PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
 {

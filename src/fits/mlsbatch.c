@@ -282,21 +282,12 @@ static PetscBool HasValuesOnly(const Stencil *st)
   return PETSC_TRUE;
 }
 
-/*
-  MlsFitBatch - Computes the rows of the fits of several particles
-
-  Skips particles with neighbours that give derivatives or nothing, and those whose neighbours do
-  not determine the fit: their rows are computed when a row function asks for them.
-
-  Input Parameters:
-+ degree - of the fits, 2 to 4
-. count  - number of stencils, at most MLS_BATCH
-- st     - stencils of the particles
-
-  Output Parameter:
-. st - the rows of their fits; in place of the gradient and the filter their coefficients, if the
-       stencil has a place for them
-*/
+/* MlsFitBatch - Computes the rows of the fits of several particles. Skips particles with neighbours
+   that give derivatives or nothing, and those whose neighbours do not determine the fit: their rows
+   are computed when a row function asks for them. Input: degree - of the fits, 2 to 4; count -
+   number of stencils, at most MLS_BATCH; st - stencils of the particles. Output: st - the rows of
+   their fits; in place of the gradient and the filter their coefficients, if the stencil has a
+   place for them. */
 PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[], MlsBatch *b)
 {
   Stencil *of_lane[MLS_BATCH];

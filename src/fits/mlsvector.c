@@ -71,11 +71,8 @@ static ISPH_WIDE PetscBool DivergenceFitOfDegree(Stencil *st, PetscInt degree, P
   with fluid neighbours k and wall neighbours w. A boundary that gives n.grad (n.u) has this
   equation in place of the last. The tangential wall velocity, which jumps at the corner of a lid,
   does not enter. Because the fit couples the components, this holds for any orientation of the
-  wall.
-
-  Output Parameters:
-+ d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]
-- m - m[k] multiplies n.(u_k - u_i), or n.grad (n.u), of wall neighbour k, zero for fluid [1/m]
+  wall. Output: d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]; m -
+  m[k] multiplies n.(u_k - u_i), or n.grad (n.u), of wall neighbour k, zero for fluid [1/m].
 */
 PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
 {

@@ -40,19 +40,11 @@ static PetscReal SumOfWeights(PetscInt m, PetscInt i, const NearestFits *f)
   return f->fits[i] ? sum : PETSC_INFINITY;
 }
 
-/*
-  NearestFitsCompute - Computes fits at the points of a group, of `least` particles or more
-
-  Input Parameters:
-+ degree - of the fits
-. todo   - flags of the points that have a fit; others have no particles
-. Fill   - sets n, W, s and what else belongs to the fit of the `wanted` nearest at point i;
-           more - PETSC_FALSE if there are no more
-- ctx    - its data
-
-  Output Parameter:
-. f - the weights w of n particles at each point, and flags of fits that are determined
-*/
+/* NearestFitsCompute - Computes fits at the points of a group, of `least` particles or more. Input:
+   degree - of the fits; todo - flags of the points that have a fit; others have no particles; Fill
+   - sets n, W, s and what else belongs to the fit of the `wanted` nearest at point i; more -
+   PETSC_FALSE if there are no more; ctx - its data. Output: f - the weights w of n particles at
+   each point, and flags of fits that are determined. */
 PetscErrorCode NearestFitsCompute(PetscInt dim, PetscInt degree, PetscInt least,
                                   const PetscBool todo[], NearestFill Fill, void *ctx,
                                   NearestFits *f)

@@ -70,21 +70,12 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
   }
 }
 
-/*
-  PointFits - Computes the weights w_k of f(x_i) = sum_k w_k f_k at the m = 2^dim points i at once
-
-  Input Parameters:
-+ n - most neighbours of a point
-. s - their offsets (x_k - x_i)/R, at most 1 in length: s[a][k m + i] [-]
-- W - their weights in the fit: W[k m + i], 0 for those that a point lacks [-]
-
-  Output Parameters:
-+ w    - the weights: w[k m + i]
-- fits - PETSC_FALSE for points whose neighbours do not determine the fit; w is then undefined
-
-  Properties: exact for polynomials of the degree. The weights of a point do not depend on other
-  points.
-*/
+/* PointFits - Computes the weights w_k of f(x_i) = sum_k w_k f_k at the m = 2^dim points i at once.
+   Input: n - most neighbours of a point; s - their offsets (x_k - x_i)/R, at most 1 in length:
+   s[a][k m + i] [-]; W - their weights in the fit: W[k m + i], 0 for those that a point lacks [-].
+   Output: w - the weights: w[k m + i]; fits - PETSC_FALSE for points whose neighbours do not
+   determine the fit; w is then undefined. Properties: exact for polynomials of the degree. The
+   weights of a point do not depend on other points. */
 ISPH_WIDE void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
                          const PetscReal W[], PetscReal w[], PetscBool fits[])
 {
@@ -162,24 +153,13 @@ static ISPH_INLINE PetscBool PointFitInline(PetscInt dim, PetscInt degree, Petsc
   return PETSC_TRUE;
 }
 
-/*
-  PointFit - Computes the weights of f and of R df/dx_a at a point, f = sum_k w[0]_k f_k and
-  R df/dx_a = sum_k w[1 + a]_k f_k
-
-  Input Parameters:
-+ n      - number of neighbours, a multiple of 4; those of the weight zero fill it up
-. s      - their offsets (x_k - x)/R, at most 1 in length [-]
-. W      - their weights in the fit [-]
-. wanted - number of rows of w
-- ridge  - flag: a multiple of the unit matrix is added where they do not determine the fit
-
-  Output Parameter:
-. w - n weights each
-
-  Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no weights
-
-  Properties: exact for polynomials of the degree.
-*/
+/* PointFit - Computes the weights of f and of R df/dx_a at a point, f = sum_k w[0]_k f_k and R
+   df/dx_a = sum_k w[1 + a]_k f_k. Input: n - number of neighbours, a multiple of 4; those of the
+   weight zero fill it up; s - their offsets (x_k - x)/R, at most 1 in length [-]; W - their weights
+   in the fit [-]; wanted - number of rows of w; ridge - flag: a multiple of the unit matrix is
+   added where they do not determine the fit. Output: w - n weights each. Returns: PETSC_FALSE if
+   the neighbours do not determine the fit, and then sets no weights. Properties: exact for
+   polynomials of the degree. */
 ISPH_WIDE PetscBool PointFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
                              const PetscReal W[], PetscInt wanted, PetscBool ridge,
                              PetscReal *const w[])
@@ -325,21 +305,12 @@ static ISPH_INLINE PetscBool VectorFitInline(PetscInt dim, PetscInt degree,
 
     sum_k W_k |u_k - fit(X_k)|^2 + sum_w W_w (n.(u_w - fit(X_w)))^2 -> min
 
-  with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls().
-
-  Input Parameters:
-+ n      - number of neighbours, a multiple of 4; those of the weight zero fill it up
-. s      - their offsets (x_k - x)/R, at most 1 in length [-]
-. W      - their weights in the fit [-]
-. wall   - flags of neighbours that give the normal component only
-- normal - their unit normals, zero for fluid
-
-  Output Parameter:
-. w - w[a dim + b], n weights each
-
-  Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no weights
-
-  Properties: exact for polynomials of the degree.
+  with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls(). Input: n - number of
+  neighbours, a multiple of 4; those of the weight zero fill it up; s - their offsets (x_k - x)/R,
+  at most 1 in length [-]; W - their weights in the fit [-]; wall - flags of neighbours that give
+  the normal component only; normal - their unit normals, zero for fluid. Output: w - w[a dim + b],
+  n weights each. Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no
+  weights. Properties: exact for polynomials of the degree.
 */
 ISPH_WIDE PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
                               const PetscReal W[], const PetscBool wall[],

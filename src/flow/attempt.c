@@ -23,11 +23,8 @@ struct Attempt {
   PetscReal *memory_solve;
 };
 
-/*
-  AttemptArrange - Chooses the judges of the steps of a run
-
-  Collective. scheme->stage has the stages.
-*/
+/* AttemptArrange - Chooses the judges of the steps of a run. Collective. scheme->stage has the
+   stages. */
 PetscErrorCode AttemptArrange(Flow *flow)
 {
   Scheme  *s = flow->scheme;
@@ -157,12 +154,8 @@ static PetscErrorCode Ask(Flow *flow, PetscBool steps, const Judge **verdict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AttemptNext - Sets the stage that follows a stage of a step: the next one, or an earlier one if a
-  judge repeats solves
-
-  Collective. Input/Output: k - number of the stage in scheme->stage.
-*/
+/* AttemptNext - Sets the stage that follows a stage of a step: the next one, or an earlier one if a
+   judge repeats solves. Collective. Input/Output: k - number of the stage in scheme->stage. */
 PetscErrorCode AttemptNext(Flow *flow, PetscInt *k)
 {
   Attempt       *a     = flow->scheme->attempt;
@@ -201,15 +194,9 @@ PetscErrorCode AttemptBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AttemptEnd - Ends the treatments of the solves of a step, and asks the judges of steps; they end
-  theirs when the step is kept
-
-  Collective.
-
-  Output Parameter:
-. again - flag: the flow before the step is restored, and the step is to be repeated
-*/
+/* AttemptEnd - Ends the treatments of the solves of a step, and asks the judges of steps; they end
+   theirs when the step is kept. Collective. Output: again - flag: the flow before the step is
+   restored, and the step is to be repeated. */
 PetscErrorCode AttemptEnd(Flow *flow, PetscBool *again)
 {
   const Judge *verdict;

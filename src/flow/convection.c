@@ -4,12 +4,9 @@
 */
 #include "isph/flow.h"
 
-/*
-  ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without the
-  velocity filter
-
-  Collective. For inputs and output see ConvectionApply(); walls NULL: zero.
-*/
+/* ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without
+   the velocity filter. Collective. For inputs and output see ConvectionApply(); walls NULL: zero.
+   */
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result)
 {
@@ -73,16 +70,10 @@ static PetscBool HasFilter(const Flow *flow, PetscInt c)
   central differences. It damps grid modes in the time in which the flow passes dx, and only if |v|
   dx/nu > 2. It is of order 2, U dx^2 u''', on any arrangement of particles, and of order 3 on
   lattices. Without it (-velocity_filter 0) explicit steps of the first term amplify grid modes that
-  viscosity does not damp. For S above 1 the factor is that of VelocityFilterRates().
-
-  Input Parameters:
-+ v     - advecting velocity over fluid [m/s]
-. c     - number of the convected component
-. u     - convected component, with its wall data `walls` [m/s]
-- work  - work vector
-
-  Output Parameter:
-. result - the convective term [m/s^2]
+  viscosity does not damp. For S above 1 the factor is that of VelocityFilterRates(). Input: v -
+  advecting velocity over fluid [m/s]; c - number of the convected component; u - convected
+  component, with its wall data `walls` [m/s]; work - work vector. Output: result - the convective
+  term [m/s^2].
 */
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
                                Vec work, Vec result)
@@ -108,20 +99,10 @@ static PetscErrorCode AddScaled(Mat A, Vec rate, Mat work, Mat sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ConvectionAddMatrix - Adds the matrix of ConvectionApply(), without its wall data, to a matrix
-
-  Collective.
-
-  Input Parameters:
-+ v    - advecting velocity over fluid [m/s]
-. c    - number of the convected component
-. work - work matrix with the sparsity pattern of `sum`
-- rate - work vector
-
-  Input/Output Parameter:
-. sum - matrix [1/s]
-*/
+/* ConvectionAddMatrix - Adds the matrix of ConvectionApply(), without its wall data, to a matrix.
+   Collective. Input: v - advecting velocity over fluid [m/s]; c - number of the convected
+   component; work - work matrix with the sparsity pattern of `sum`; rate - work vector.
+   Input/Output: sum - matrix [1/s]. */
 PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
                                    Mat sum)
 {
@@ -224,10 +205,7 @@ PetscErrorCode ConvectionExplicit(Flow *flow, PetscReal t, const Vec u[], PetscI
 
     force -= w_0 N^n + w_1 N^{n-1} + w_2 N^{n-2},   w of HistoryAhead()
 
-  Collective. Keeps N^n for the next step.
-
-  Input Parameter:
-. at - time of the force within the step: 1 or 1/2
+  Collective. Keeps N^n for the next step. Input: at - time of the force within the step: 1 or 1/2.
 */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
 {
@@ -260,11 +238,8 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
   Collective. The implicit term convects the predicted velocity u*, which the projection changes by
   k/rho grad phi. This change is of order dt^2, and that of the last step differs by dt^3. Without
   this force it is most of the error in time of an unsteady flow. With the whole of it in place of
-  half, long steps are unstable. See theory.md, (315) and (316).
-
-  Input Parameters:
-+ at - share of u* in the velocity that the integrator convects: 1 or 1/2
-- v  - advecting velocity over fluid [m/s]
+  half, long steps are unstable. See theory.md, (315) and (316). Input: at - share of u* in the
+  velocity that the integrator convects: 1 or 1/2; v - advecting velocity over fluid [m/s].
 */
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[])
 {

@@ -63,11 +63,8 @@ PetscErrorCode FlowStateDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowStateRegister - Registers the fields of the state and sets the initial values of the case
-
-  Collective. Velocities from -particles take precedence over the case.
-*/
+/* FlowStateRegister - Registers the fields of the state and sets the initial values of the case.
+   Collective. Velocities from -particles take precedence over the case. */
 PetscErrorCode FlowStateRegister(Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -135,12 +132,9 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowGetWork - Returns a work vector over the own fluid, whose values are undefined
-
-  Collective when the vector is first created in an epoch. To be returned by FlowRestoreWork()
-  before the epoch ends.
-*/
+/* FlowGetWork - Returns a work vector over the own fluid, whose values are undefined. Collective
+   when the vector is first created in an epoch. To be returned by FlowRestoreWork() before the
+   epoch ends. */
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v)
 {
   FlowState *s = flow->state;

@@ -22,18 +22,10 @@ static PetscReal ForceOn(const Flow *flow, PetscInt i, PetscInt a, const PetscRe
   return cells ? sum / flow->particles->volume[i] : f[a];
 }
 
-/*
-  AddBodyForce - Adds the body force f(x, t) on the own fluid and stores its largest value
-
-  Collective. A uniform force on all of the fluid needs no loop over particles.
-
-  Input Parameters:
-+ t     - time [s]
-- force - vectors over the fluid [m/s^2]; NULL: only the largest value is computed
-
-  Output Parameter:
-. flow - stats.force_max and bound.force_step of the scheme [m/s^2]
-*/
+/* AddBodyForce - Adds the body force f(x, t) on the own fluid and stores its largest value.
+   Collective. A uniform force on all of the fluid needs no loop over particles. Input: t - time
+   [s]; force - vectors over the fluid [m/s^2]; NULL: only the largest value is computed. Output:
+   flow - stats.force_max and bound.force_step of the scheme [m/s^2]. */
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
 {
   const Scene     *scene = flow->scene;
@@ -74,13 +66,10 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  NoteUnbalancedForce - Lowers the stored largest body force to that of a force per mass which
-  contains the gradient of the pressure, f - grad p/rho
-
-  Collective. The part of f that the pressure balances moves no particle and limits no step. A free
-  surface that moves keeps f: its waves have the frequency sqrt(|f| k), however small the sum is.
-*/
+/* NoteUnbalancedForce - Lowers the stored largest body force to that of a force per mass which
+   contains the gradient of the pressure, f - grad p/rho. Collective. The part of f that the
+   pressure balances moves no particle and limits no step. A free surface that moves keeps f: its
+   waves have the frequency sqrt(|f| k), however small the sum is. */
 PetscErrorCode NoteUnbalancedForce(Flow *flow, const Vec force[])
 {
   const Scene       *scene = flow->scene;

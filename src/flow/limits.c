@@ -25,14 +25,11 @@ PetscReal SurfaceStep(const Scene *scene)
              : PETSC_INFINITY;
 }
 
-/*
-  ProjectionFreeLimit - Returns the step of the projection with a free surface, 0.1 dx^2/nu;
-  infinity without one, and with a viscosity that varies [s]
-
-  Steps up to 0.5 dx^2/nu are stable, but thin films lose accuracy: tried.md. With a viscosity
-  that varies, rows beside the surface have pair forces without the pressure of u*: a Bingham column
-  (options/heap.opts) was stable in steps of 80 dx^2/nu.
-*/
+/* ProjectionFreeLimit - Returns the step of the projection with a free surface, 0.1 dx^2/nu;
+   infinity without one, and with a viscosity that varies [s]. Steps up to 0.5 dx^2/nu are stable,
+   but thin films lose accuracy: tried.md. With a viscosity that varies, rows beside the surface
+   have pair forces without the pressure of u*: a Bingham column (options/heap.opts) was stable in
+   steps of 80 dx^2/nu. */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {
   return SceneViscosityVaries(scene) ? PETSC_INFINITY : SurfaceStep(scene);
@@ -53,9 +50,8 @@ static PetscReal WaveStep(PetscReal viscous, PetscReal square)
   The pressure sigma kappa belongs to the positions at which the step solves for the velocity. t_c
   bounds capillary waves of inertia, t_v those that viscosity slows. For small displacements steps
   are stable up to about ten times this limit: theory.md, (165). Surfaces whose particles are
-  disordered by large displacements need shorter steps.
-
-  Reference: C. Galusinski, P. Vigneaux, J. Comput. Phys. 227 (2008) 6140-6164
+  disordered by large displacements need shorter steps. Reference: C. Galusinski, P. Vigneaux, J.
+  Comput. Phys. 227 (2008) 6140-6164
 */
 PetscReal CapillaryLimit(const Scene *scene)
 {

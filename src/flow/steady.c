@@ -157,14 +157,11 @@ static PetscReal Distance(PetscReal now, PetscReal before)
   return now * ratio / PetscMax(1.0 - ratio, 1e-3);
 }
 
-/*
-  SteadyView - Prints a line if the last step was much longer than the time scale of the flow, and
-  the flow is still far from steady
-
-  Collective on the viewer. Steps of many diffusion times are taken to reach a steady flow. The
-  changes may be small in each step and far from their sum: the pressure, and forces with it, can
-  need hundreds of such steps. Prints nothing about flows whose driving depends on time.
-*/
+/* SteadyView - Prints a line if the last step was much longer than the time scale of the flow, and
+   the flow is still far from steady. Collective on the viewer. Steps of many diffusion times are
+   taken to reach a steady flow. The changes may be small in each step and far from their sum: the
+   pressure, and forces with it, can need hundreds of such steps. Prints nothing about flows whose
+   driving depends on time. */
 PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
 {
   const Clock      *clock  = flow->clock;
@@ -189,18 +186,13 @@ PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state
-
-  Collective. A flow with a driving force or wall velocity that depends on time has no steady state.
-  A projection whose rotational term does not contain the whole viscosity converges slowly in the
-  Stokes limit, so that at large steps the test is met too early: with the incremental projection at
-  Re = 0.01 and nu dt/L^2 = 100, the cavity meets -steady_tol 1e-3 with an error of 31 % in u_min.
-
-  Input Parameters:
-+ projection - name of the projection; NULL: no pressure, or no splitting
-- rotational - flag: the projection has a rotational term, with the least viscosity
-*/
+/* SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state.
+   Collective. A flow with a driving force or wall velocity that depends on time has no steady
+   state. A projection whose rotational term does not contain the whole viscosity converges slowly
+   in the Stokes limit, so that at large steps the test is met too early: with the incremental
+   projection at Re = 0.01 and nu dt/L^2 = 100, the cavity meets -steady_tol 1e-3 with an error of
+   31 % in u_min. Input: projection - name of the projection; NULL: no pressure, or no splitting;
+   rotational - flag: the projection has a rotational term, with the least viscosity. */
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational)
 {
   const Scene    *scene  = flow->scene;

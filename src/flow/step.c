@@ -21,12 +21,9 @@ static PetscErrorCode Advance(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowAssemble - Assembles all matrices for the present positions, unless this is done
-
-  Collective. Only assemblies read neighbours, so the neighbours of fixed particles are freed after
-  it, except with a free surface, whose gradients by reactions are assembled in the solve.
-*/
+/* FlowAssemble - Assembles all matrices for the present positions, unless this is done. Collective.
+   Only assemblies read neighbours, so the neighbours of fixed particles are freed after it, except
+   with a free surface, whose gradients by reactions are assembled in the solve. */
 PetscErrorCode FlowAssemble(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
@@ -41,12 +38,8 @@ PetscErrorCode FlowAssemble(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowPrepareOutput - Assembles the operators that outputs read, if the scheme assembles none in its
-  steps
-
-  Collective. Other schemes have assembled them at the end of a step.
-*/
+/* FlowPrepareOutput - Assembles the operators that outputs read, if the scheme assembles none in
+   its steps. Collective. Other schemes have assembled them at the end of a step. */
 PetscErrorCode FlowPrepareOutput(const Flow *flow)
 {
   PetscBool changed;
@@ -57,12 +50,9 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowStep - Makes a step of the clock's dt by the stages of the scheme
-
-  Collective. If the step fails, scheme->failure has the reason, time has not advanced, and the
-  fields are invalid. Judges of the solves send the step back to an earlier stage.
-*/
+/* FlowStep - Makes a step of the clock's dt by the stages of the scheme. Collective. If the step
+   fails, scheme->failure has the reason, time has not advanced, and the fields are invalid. Judges
+   of the solves send the step back to an earlier stage. */
 PetscErrorCode FlowStep(Flow *flow)
 {
   Scheme *s = flow->scheme;
@@ -104,12 +94,9 @@ static PetscErrorCode BlameFullBox(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowMakeStep - Makes a successful step, or ends the run
-
-  Collective. If the chosen row of -dt_adapt retries steps, a step that fails or has too large an
-  error is undone and repeated with a shorter dt.
-*/
+/* FlowMakeStep - Makes a successful step, or ends the run. Collective. If the chosen row of
+   -dt_adapt retries steps, a step that fails or has too large an error is undone and repeated with
+   a shorter dt. */
 PetscErrorCode FlowMakeStep(Flow *flow)
 {
   const StepFailure *failure = &flow->scheme->failure;

@@ -113,9 +113,8 @@ static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal l
   Steps double in length until enough earlier velocities are known. The velocity at the start counts
   as unknown, because the first step may change it by any amount. Steps of a thousandth of the limit
   of other reasons are kept, because a jump of the velocity has the same error in any step. With
-  -time_order 3 the error is that of BDF2, above that of the step. See theory.md, (127).
-
-  Reference: K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
+  -time_order 3 the error is that of BDF2, above that of the step. See theory.md, (127). Reference:
+  K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
 */
 PetscErrorCode TimeErrorCheck(Flow *flow)
 {

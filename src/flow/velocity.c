@@ -51,18 +51,9 @@ PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **al
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  HistoryStart - Sets u_next to the start of an implicit step, HistoryStartWeights()
-
-  Collective.
-
-  Input Parameter:
-. history - flag: BDF if earlier velocities are known; otherwise backward Euler, with start = u^n
-            and k = dt
-
-  Output Parameter:
-. dt - length k of the step from this start [s]
-*/
+/* HistoryStart - Sets u_next to the start of an implicit step, HistoryStartWeights(). Collective.
+   Input: history - flag: BDF if earlier velocities are known; otherwise backward Euler, with start
+   = u^n and k = dt. Output: dt - length k of the step from this start [s]. */
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
 {
   FlowState *s = flow->state;

@@ -198,13 +198,10 @@ PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FacetsOfSection - Creates the facets of a section, at most dx wide, but for their parts in bodies
-
-  Not collective. Input: corner - both ends in 2D, in 3D a corner and its two neighbours [m]. In 2D
-  the normal is the vector between the ends turned to the right, in 3D the cross product of the two
-  sides. Free with FacetsFree().
-*/
+/* FacetsOfSection - Creates the facets of a section, at most dx wide, but for their parts in
+   bodies. Not collective. Input: corner - both ends in 2D, in 3D a corner and its two neighbours
+   [m]. In 2D the normal is the vector between the ends turned to the right, in 3D the cross product
+   of the two sides. Free with FacetsFree(). */
 PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Facets *f)
 {
   const PetscInt dim                   = scene->dim;
@@ -249,12 +246,9 @@ PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FacetsKeepWet - Reduces facets to their parts inside the free surface
-
-  Collective. Middles become those of the wet parts. Facets without wet parts are left out. Nothing
-  changes in a flow without a free surface.
-*/
+/* FacetsKeepWet - Reduces facets to their parts inside the free surface. Collective. Middles become
+   those of the wet parts. Facets without wet parts are left out. Nothing changes in a flow without
+   a free surface. */
 PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *f)
 {
   const PetscInt dim = f->dim, n = dim == 2 ? PARTS_2D : PARTS_3D, parts = dim == 2 ? n : n * n;

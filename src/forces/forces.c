@@ -279,22 +279,14 @@ static PetscErrorCode Exchange(const Flow *flow, PetscBool next, Reaction *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReactionForce - Computes force and torque of the fluid on the boundary of a reaction by the
-  momentum of the fluid beside it, with a free surface by tractions
-
-  Collective. The same on all ranks, to rounding on different numbers of them. The first call fits
-  the fluid at its points; later ones are sums. Input: next - PETSC_TRUE: at the end of the present
-  step, after a stage that solves, from u_next, the rate of the step's formula and the present
-  pressure; PETSC_FALSE: between steps.
-
-  Output Parameter:
-. force - force [N], then torque [N m] about the centre of a body or the middle of the box; in 2D
-          per metre of depth, the torque is the third component. A boundary that ends at periodic
-          sides has no torques about other axes.
-
-  Wcsph has no next.
-*/
+/* ReactionForce - Computes force and torque of the fluid on the boundary of a reaction by the
+   momentum of the fluid beside it, with a free surface by tractions. Collective. The same on all
+   ranks, to rounding on different numbers of them. The first call fits the fluid at its points;
+   later ones are sums. Input: next - PETSC_TRUE: at the end of the present step, after a stage that
+   solves, from u_next, the rate of the step's formula and the present pressure; PETSC_FALSE:
+   between steps. Output: force - force [N], then torque [N m] about the centre of a body or the
+   middle of the box; in 2D per metre of depth, the torque is the third component. A boundary that
+   ends at periodic sides has no torques about other axes. Wcsph has no next. */
 PetscErrorCode ReactionForce(const Flow *flow, PetscBool next, Reaction *r, PetscReal force[])
 {
   const PetscReal t = flow->clock->t;

@@ -296,20 +296,12 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProbePoints - Interpolates velocity and pressure at points
-
-  Collective. A scheme that has the pressure at all points gives its own in place of a fit.
-
-  Input Parameters:
-+ flow - flow with up-to-date positions in the halo
-. n    - number of points
-- x    - the points, dim coordinates each, the same on all ranks; walls and periodic images are
-         allowed [m]
-
-  Output: u - velocities, dim components each, on all ranks; NaN at points outside a free surface
-  [m/s]; p - pressures, NaN there and if the run has none; may be NULL [Pa].
-*/
+/* ProbePoints - Interpolates velocity and pressure at points. Collective. A scheme that has the
+   pressure at all points gives its own in place of a fit. Input: flow - flow with up-to-date
+   positions in the halo; n - number of points; x - the points, dim coordinates each, the same on
+   all ranks; walls and periodic images are allowed [m]. Output: u - velocities, dim components
+   each, on all ranks; NaN at points outside a free surface [m/s]; p - pressures, NaN there and if
+   the run has none; may be NULL [Pa]. */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[])
 {

@@ -112,14 +112,11 @@ PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
   return axis < 2 ? corners : 2;
 }
 
-/*
-  BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
-
-  Searches inwards in steps of dx/4 from surface points dx apart. The two surfaces at the tip of a
-  wedge count as opposite only if its angle is less than about 50 degrees. Input: limit - largest
-  distance of the search. Output: place - surface point at the least thickness. Returns: limit if
-  the body is nowhere thinner, and for bodies around the fluid.
-*/
+/* BodyThickness - Returns the least thickness of a body between opposite surfaces [m]. Searches
+   inwards in steps of dx/4 from surface points dx apart. The two surfaces at the tip of a wedge
+   count as opposite only if its angle is less than about 50 degrees. Input: limit - largest
+   distance of the search. Output: place - surface point at the least thickness. Returns: limit if
+   the body is nowhere thinner, and for bodies around the fluid. */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
                         PetscReal place[ISPH_MAX_DIM])
 {
@@ -194,16 +191,13 @@ static void Sum(const Body *body, PetscInt dim, const PetscReal about[], PetscRe
   }
 }
 
-/*
-  BodyFindMoments - Computes the area or volume of a body as it was typed, its centroid and its
-  second moments int x_i x_j dV about the centroid
-
-  Two sums over points on the surface, of spacings h = extent/60 and h/2, are extrapolated to h = 0:
-  exact for polygons and boxes, of order 4 for smooth surfaces on which points are on rings or
-  curves; solids with edges where parts meet have an error of about h/extent times the length of
-  these edges in the extent. For solids that reach through the box all is per length, in the plane.
-  Output: moments; error - the difference of the sums of the volume, in the volume.
-*/
+/* BodyFindMoments - Computes the area or volume of a body as it was typed, its centroid and its
+   second moments int x_i x_j dV about the centroid. Two sums over points on the surface, of
+   spacings h = extent/60 and h/2, are extrapolated to h = 0: exact for polygons and boxes, of order
+   4 for smooth surfaces on which points are on rings or curves; solids with edges where parts meet
+   have an error of about h/extent times the length of these edges in the extent. For solids that
+   reach through the box all is per length, in the plane. Output: moments; error - the difference of
+   the sums of the volume, in the volume. */
 void BodyFindMoments(const Body *body, BodyMoments *moments)
 {
   const PetscInt  dim = body->shape->plane || BodyReachesThrough(body, 2) ? 2 : 3;

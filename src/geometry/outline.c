@@ -289,13 +289,10 @@ static PetscErrorCode SetPieces(PetscInt n, Outline o[], PetscInt own, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OutlinesUnite - Sets the pieces of outlines on the border of the fluid: those in no other solid
-
-  Outlines of a solid stand together. A line of several solids with the fluid on the same side
-  belongs to the first of them, and with the fluid on no side to none. The pieces of outlines that
-  meet form closed loops together, which share a box.
-*/
+/* OutlinesUnite - Sets the pieces of outlines on the border of the fluid: those in no other solid.
+   Outlines of a solid stand together. A line of several solids with the fluid on the same side
+   belongs to the first of them, and with the fluid on no side to none. The pieces of outlines that
+   meet form closed loops together, which share a box. */
 PetscErrorCode OutlinesUnite(PetscInt n, Outline o[])
 {
   Places    *places;

@@ -382,12 +382,9 @@ static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BannerView - Prints the choices of the run before its first step
-
-  Collective on the viewer. Called when all options are read and the clock has chosen the length of
-  the first step. Input: need - memory, of MachineMemoryCheck().
-*/
+/* BannerView - Prints the choices of the run before its first step. Collective on the viewer.
+   Called when all options are read and the clock has chosen the length of the first step. Input:
+   need - memory, of MachineMemoryCheck(). */
 PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscViewer viewer)
 {
   PetscFunctionBegin;

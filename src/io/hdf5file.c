@@ -15,11 +15,8 @@ hid_t Hdf5Noted(Hdf5File *file, hid_t result)
   return result;
 }
 
-/*
-  Hdf5FileOpen - Opens a file of any format for reading, or creates or truncates one
-
-  Collective on comm. Hdf5FileClose() reports failures.
-*/
+/* Hdf5FileOpen - Opens a file of any format for reading, or creates or truncates one. Collective on
+   comm. Hdf5FileClose() reports failures. */
 PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5Use use, Hdf5File *file)
 {
   hid_t access, creation;
@@ -45,11 +42,8 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5Use use, Hdf5F
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5FileClose - Closes the file
-
-  Collective on comm. Output: good - true if every call succeeded on every rank.
-*/
+/* Hdf5FileClose - Closes the file. Collective on comm. Output: good - true if every call succeeded
+   on every rank. */
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
 {
   PetscInt failed;
@@ -63,11 +57,8 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5FileFinish - Closes a file written as `part` and renames it to `path` if it is complete
-
-  Collective on PETSC_COMM_WORLD. Output: good - true on all ranks if the file is complete.
-*/
+/* Hdf5FileFinish - Closes a file written as `part` and renames it to `path` if it is complete.
+   Collective on PETSC_COMM_WORLD. Output: good - true on all ranks if the file is complete. */
 PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[], PetscBool *good)
 {
   PetscMPIInt rank;
@@ -130,11 +121,8 @@ static void WriteString(Hdf5File *file, const char object[], const char name[], 
   WriteAttribute(file, object, name, type, Hdf5Noted(file, H5Screate(H5S_SCALAR)), text);
 }
 
-/*
-  Hdf5WriteText - Writes a string as an attribute of an object
-
-  Collective on comm. Note: an HDF5 attribute is limited to 64 kB; a longer text is truncated.
-*/
+/* Hdf5WriteText - Writes a string as an attribute of an object. Collective on comm. Note: an HDF5
+   attribute is limited to 64 kB; a longer text is truncated. */
 PetscErrorCode Hdf5WriteText(Hdf5File *file, const char object[], const char name[],
                              const char text[])
 {
@@ -169,19 +157,11 @@ static hid_t OwnRows(Hdf5File *file, PetscInt columns, hid_t space)
   return memory;
 }
 
-/*
-  Hdf5WriteRows - Writes a data set of N rows, of which each rank writes its own
-
-  Collective on comm; a rank may have no rows.
-
-  Input Parameters:
-+ file    - the file, with start, own and N set
-. columns - number of columns; 0 for a one-dimensional data set
-. stored  - type in the file
-. given   - type in memory
-. rows    - rows of this rank, with `columns` values each
-- units   - SI unit, "1" for a plain number
-*/
+/* Hdf5WriteRows - Writes a data set of N rows, of which each rank writes its own. Collective on
+   comm; a rank may have no rows. Input: file - the file, with start, own and N set; columns -
+   number of columns; 0 for a one-dimensional data set; stored - type in the file; given - type in
+   memory; rows - rows of this rank, with `columns` values each; units - SI unit, "1" for a plain
+   number. */
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[])
 {
@@ -204,11 +184,8 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5WriteTable - Writes a data set that all ranks have, of rows as in Hdf5WriteRows()
-
-  Collective on comm; the first rank writes. The rows of this rank in `file` do not change.
-*/
+/* Hdf5WriteTable - Writes a data set that all ranks have, of rows as in Hdf5WriteRows(). Collective
+   on comm; the first rank writes. The rows of this rank in `file` do not change. */
 PetscErrorCode Hdf5WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                               hid_t stored, hid_t given, const void *values, const char units[])
 {
@@ -263,12 +240,9 @@ PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5IsFull - Determines if a data set has all its values in the file itself, without compression
-
-  Collective on comm. The memory for such a data set is at most the size of the file; others may
-  consist of a few bytes and ask for any memory. False if the data set is absent.
-*/
+/* Hdf5IsFull - Determines if a data set has all its values in the file itself, without compression.
+   Collective on comm. The memory for such a data set is at most the size of the file; others may
+   consist of a few bytes and ask for any memory. False if the data set is absent. */
 PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
 {
   const hid_t data = H5Dopen2(file->file, name, H5P_DEFAULT);
@@ -293,11 +267,8 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5ReadRows - Reads rows [start, start + own) of a data set
-
-  Collective on comm; a rank may read no rows. Input: as Hdf5WriteRows().
-*/
+/* Hdf5ReadRows - Reads rows [start, start + own) of a data set. Collective on comm; a rank may read
+   no rows. Input: as Hdf5WriteRows(). */
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                             void *rows)
 {

@@ -12,12 +12,8 @@ PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5WriteBoundaries - Writes the boundaries of a scene as attributes of the file: boundary_ids,
-  boundary_names and boundary_kinds; names and kinds are lists with commas
-
-  Collective on comm.
-*/
+/* Hdf5WriteBoundaries - Writes the boundaries of a scene as attributes of the file: boundary_ids,
+   boundary_names and boundary_kinds; names and kinds are lists with commas. Collective on comm. */
 PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
 {
   const PetscInt n         = SceneBoundaries(scene);
@@ -59,15 +55,11 @@ static PetscErrorCode WriteReals(Hdf5File *file, const char name[], PetscInt n, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Hdf5WriteGeometry - Writes the box of a scene, its bodies and if it has a free surface as
-  attributes of the file
-
-  Collective on comm. box has the low corner and the high one [m]; body_<k> the numbers of shape
-  k of the list body_shapes, as BodySet() prepares them: corners for boxes, and of the outline of
-  shapes with curves; body_<k>_ends in 3D
-  both ends along z; body_<k>_around is 1 for bodies with the fluid inside.
-*/
+/* Hdf5WriteGeometry - Writes the box of a scene, its bodies and if it has a free surface as
+   attributes of the file. Collective on comm. box has the low corner and the high one [m]; body_<k>
+   the numbers of shape k of the list body_shapes, as BodySet() prepares them: corners for boxes,
+   and of the outline of shapes with curves; body_<k>_ends in 3D both ends along z; body_<k>_around
+   is 1 for bodies with the fluid inside. */
 PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
 {
   const int    free_surface = SceneHasFreeSurface(scene) ? 1 : 0;

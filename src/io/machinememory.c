@@ -69,13 +69,9 @@ static PetscErrorCode Expect(const Flow *flow, PetscReal particles, MachineMemor
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MachineMemoryCheck - Predicts the memory of a run, and refuses one that needs more than a machine
-  has
-
-  Collective on PETSC_COMM_WORLD. Called before particles exist. Input: particles - number of fluid
-  particles at the start.
-*/
+/* MachineMemoryCheck - Predicts the memory of a run, and refuses one that needs more than a machine
+   has. Collective on PETSC_COMM_WORLD. Called before particles exist. Input: particles - number of
+   fluid particles at the start. */
 PetscErrorCode MachineMemoryCheck(const Flow *flow, PetscReal particles, MachineMemory *need)
 {
   const Scene *scene = flow->scene;

@@ -126,19 +126,12 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProgressUpdate - Prints the progress line if it is due
-
-  The first rank prints. On a terminal the line replaces the last line at most four times a second,
-  otherwise a line is printed every 10 % of the run. A launcher gives each rank a terminal of its
-  own, whatever it writes to. Called after each step.
-
-  Input Parameters:
-+ flow     - the flow, with the statistics of the step; M/s counts million particle-steps per second
-             of wall clock since ProgressCreate()
-. final    - true at the end of the run: the line is printed in any case
-- progress - the state of the progress line
-*/
+/* ProgressUpdate - Prints the progress line if it is due. The first rank prints. On a terminal the
+   line replaces the last line at most four times a second, otherwise a line is printed every 10 %
+   of the run. A launcher gives each rank a terminal of its own, whatever it writes to. Called after
+   each step. Input: flow - the flow, with the statistics of the step; M/s counts million
+   particle-steps per second of wall clock since ProgressCreate(); final - true at the end of the
+   run: the line is printed in any case; progress - the state of the progress line. */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)
 {
   const PetscReal fraction = ProgressFraction(flow->clock, flow->clock->t, flow->clock->step);

@@ -51,22 +51,11 @@ static PetscErrorCode ReferenceDataSort(PetscInt columns, const PetscReal value[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReferenceDataRead - Reads a reference curve
-
-  Collective on PETSC_COMM_WORLD
-
-  Input Parameter:
-. file - name within the directory of reference data, as of CsvRead(), with two or more columns, of
-         which the first two are used
-
-  Input/Output Parameter:
-. report - records that a file is absent, so that a run prints a single warning
-
-  Output Parameter:
-. curve - the points in ascending x, the same on all ranks; none if the file is absent; freed by
-          ReferenceDataFree()
-*/
+/* ReferenceDataRead - Reads a reference curve. Collective on PETSC_COMM_WORLD. Input: file - name
+   within the directory of reference data, as of CsvRead(), with two or more columns, of which the
+   first two are used. Input/Output: report - records that a file is absent, so that a run prints a
+   single warning. Output: curve - the points in ascending x, the same on all ranks; none if the
+   file is absent; freed by ReferenceDataFree(). */
 PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve)
 {
   PetscMPIInt rank;

@@ -143,11 +143,8 @@ static PetscBool ReportSpansTimes(const Report *report)
   return PETSC_FALSE;
 }
 
-/*
-  ReportView - Prints the table of quantities, then the wall time
-
-  Collective on the viewer. Input: wall_seconds - duration of the run [s].
-*/
+/* ReportView - Prints the table of quantities, then the wall time. Collective on the viewer. Input:
+   wall_seconds - duration of the run [s]. */
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer)
 {
   const PetscBool times = ReportSpansTimes(report);

@@ -250,21 +250,13 @@ PetscErrorCode ReportFileCheck(const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReportWrite - Appends the run to the CSV file of -report, a row for each quantity and time;
-  without the option it does nothing
-
-  Collective on PETSC_COMM_WORLD; the first rank writes.
-
-  Input Parameters:
-+ flow         - the present flow
-. report       - if empty, as after a diverged run, a row without quantity is written
-. wall_seconds - duration of the run so far, set-up included [s]
-- status       - ok, diverged or interrupted
-
-  Notes: the column particles counts fluid particles; visc_its and ppe_its are means per step; for
-  the coupled scheme the columns visc_ts, visc_ksp, visc_pc and visc_its describe the coupled solve
-*/
+/* ReportWrite - Appends the run to the CSV file of -report, a row for each quantity and time;
+   without the option it does nothing. Collective on PETSC_COMM_WORLD; the first rank writes. Input:
+   flow - the present flow; report - if empty, as after a diverged run, a row without quantity is
+   written; wall_seconds - duration of the run so far, set-up included [s]; status - ok, diverged or
+   interrupted. Notes: the column particles counts fluid particles; visc_its and ppe_its are means
+   per step; for the coupled scheme the columns visc_ts, visc_ksp, visc_pc and visc_its describe the
+   coupled solve. */
 PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wall_seconds,
                            const char status[])
 {

@@ -236,17 +236,10 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SnapshotsWrite - Writes a snapshot if it is due
-
-  Collective on PETSC_COMM_WORLD. Called before the first step, after every step and, with final, at
-  the end.
-
-  Input Parameters:
-+ flow      - the present flow
-. final     - true at the end of the run: writes unless this step has been written
-- snapshots - the snapshots
-*/
+/* SnapshotsWrite - Writes a snapshot if it is due. Collective on PETSC_COMM_WORLD. Called before
+   the first step, after every step and, with final, at the end. Input: flow - the present flow;
+   final - true at the end of the run: writes unless this step has been written; snapshots - the
+   snapshots. */
 PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots)
 {
   PetscBool due = final;

@@ -33,11 +33,8 @@ static PetscErrorCode WriteVertices(Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  VtkGroupWrite - Writes the group VTKHDF; called after SnapshotFieldsWrite()
-
-  Collective. Input/Output: file - its start, own and N are those that SnapshotFieldsWrite() set
-*/
+/* VtkGroupWrite - Writes the group VTKHDF; called after SnapshotFieldsWrite(). Collective.
+   Input/Output: file - its start, own and N are those that SnapshotFieldsWrite() set. */
 PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
 {
   const long long version[] = {1, 0}, N = file->N, one = 1, offsets[] = {0, file->N},

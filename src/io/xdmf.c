@@ -76,21 +76,10 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
   fprintf(f, "      </Grid>\n");
 }
 
-/*
-  XdmfWrite - Writes the index base.xdmf under another name and renames it, so that it is complete
-  at any time
-
-  Not collective: called by the first rank.
-
-  Input Parameters:
-+ base      - path of the snapshots without _0000.h5
-. flow      - the flow, with the fields of the snapshots
-. n         - number of snapshots
-- snapshots - complete snapshots on disk
-
-  Output Parameter:
-. good - true if the file has been written
-*/
+/* XdmfWrite - Writes the index base.xdmf under another name and renames it, so that it is complete
+   at any time. Not collective: called by the first rank. Input: base - path of the snapshots
+   without _0000.h5; flow - the flow, with the fields of the snapshots; n - number of snapshots;
+   snapshots - complete snapshots on disk. Output: good - true if the file has been written. */
 PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)
 {

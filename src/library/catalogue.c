@@ -85,12 +85,8 @@ static PetscErrorCode SchemeViewSteps(const SchemeRow *scheme, PetscViewer viewe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations, the
-  stages of steps, and the defaults by the regime
-
-  Collective on the viewer
-*/
+/* CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations, the
+   stages of steps, and the defaults by the regime. Collective on the viewer. */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
   PetscMPIInt rank;

@@ -67,14 +67,10 @@ static PetscErrorCode PluginOpen(const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PluginsOpen - Opens the shared objects of -library
-
-  Collective. To be called before any other option is read.
-
-  Errors: refuses files that are no shared objects, have no symbol IsphPlugin, were built for other
-  structs, or have rows that are not complete or have names of the program's rows
-*/
+/* PluginsOpen - Opens the shared objects of -library. Collective. To be called before any other
+   option is read. Errors: refuses files that are no shared objects, have no symbol IsphPlugin, were
+   built for other structs, or have rows that are not complete or have names of the program's rows.
+   */
 PetscErrorCode PluginsOpen(void)
 {
   char path[PETSC_MAX_PATH_LEN], *next = path;

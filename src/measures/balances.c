@@ -425,12 +425,9 @@ static PetscErrorCode ReportRows(Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BalancesOfFailed - Reports the balances of a run that has failed, as far as its steps measured
-  them, and prints the volume of its fluid
-
-  Collective on the viewer. Its fields are invalid, so that boundaries have no balance.
-*/
+/* BalancesOfFailed - Reports the balances of a run that has failed, as far as its steps measured
+   them, and prints the volume of its fluid. Collective on the viewer. Its fields are invalid, so
+   that boundaries have no balance. */
 PetscErrorCode BalancesOfFailed(Flow *flow, Report *report, PetscViewer viewer)
 {
   const Particles *p = flow->particles;

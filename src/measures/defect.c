@@ -201,12 +201,8 @@ static PetscErrorCode WeakDefect(const Flow *flow, Defect *d)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  DefectCreate - Computes the defect of the present flow
-
-  Collective. Free with DefectDestroy(). Note: finds the rows of neighbours; those of fixed
-  particles are not kept.
-*/
+/* DefectCreate - Computes the defect of the present flow. Collective. Free with DefectDestroy().
+   Note: finds the rows of neighbours; those of fixed particles are not kept. */
 PetscErrorCode DefectCreate(const Flow *flow, Defect *d)
 {
   const Particles *p = flow->particles;

@@ -9,12 +9,8 @@
 
 #define GRID 4 /* points of the cells along dx */
 
-/*
-  FluidVolume - Computes the volume inside the free surface [m^dim]
-
-  Collective. Output: volume - at the places of the last step; mass - sum of the volumes of the
-  particles, its reference.
-*/
+/* FluidVolume - Computes the volume inside the free surface [m^dim]. Collective. Output: volume -
+   at the places of the last step; mass - sum of the volumes of the particles, its reference. */
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const PetscInt n   = flow->particles->n_fluid;

@@ -64,13 +64,9 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
   return monitor->stream ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/*
-  MonitorGoOn - Opens the file of a run that is restarted at time t [s] and removes rows of later
-  times; creates the file if it is absent
-
-  Collective on PETSC_COMM_WORLD. Errors: a file that cannot be rewritten ends the run and stays
-  unchanged
-*/
+/* MonitorGoOn - Opens the file of a run that is restarted at time t [s] and removes rows of later
+   times; creates the file if it is absent. Collective on PETSC_COMM_WORLD. Errors: a file that
+   cannot be rewritten ends the run and stays unchanged. */
 PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monitor)
 {
   PetscMPIInt rank;

@@ -141,13 +141,9 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MonitorsRestart - Opens the files of a run that is restarted and removes rows later than its
-  checkpoint; creates absent files
-
-  Collective on PETSC_COMM_WORLD. Input: t - time of the checkpoint [s]. Errors: a file that cannot
-  be continued ends the run and stays unchanged
-*/
+/* MonitorsRestart - Opens the files of a run that is restarted and removes rows later than its
+   checkpoint; creates absent files. Collective on PETSC_COMM_WORLD. Input: t - time of the
+   checkpoint [s]. Errors: a file that cannot be continued ends the run and stays unchanged. */
 PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 {
   PetscFunctionBegin;

@@ -96,15 +96,8 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
   Collective. See theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
   nothing if the case has no exact solution. Adds pressure_l2 if the run has a pressure and the
   exact solution gives it. The means of both pressures are subtracted unless a boundary gives the
-  pressure.
-
-  Input Parameter:
-. flow - the flow at clock->t
-
-  Output Parameter:
-. report - receives the quantities
-
-  Note: if the exact field vanishes, errors are relative to U and rho U^2
+  pressure. Input: flow - the flow at clock->t. Output: report - receives the quantities. Note: if
+  the exact field vanishes, errors are relative to U and rho U^2
 */
 PetscErrorCode NormsExact(const Flow *flow, Report *report)
 {
@@ -174,14 +167,8 @@ static PetscErrorCode SumMomentum(const Flow *flow, PetscReal momentum[])
     divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
     and graded_energy, if graded particles move; those of MeasureFree() with a free surface
 
-  Collective
-
-  Input Parameters:
-+ flow   - the flow, with the statistics of the last step
-- energy - reference of the kinetic energy, NaN without reference [J]
-
-  Output Parameter:
-. report - receives the quantities
+  Collective. Input: flow - the flow, with the statistics of the last step; energy - reference of
+  the kinetic energy, NaN without reference [J]. Output: report - receives the quantities.
 */
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
 {

@@ -37,12 +37,9 @@ static PetscErrorCode MeasureError(const Flow *flow, const Scalar *s, Report *re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarsMeasure - Adds the scalars to the report: of each its mean, least and largest value, its
-  error against the reference solution, and what enters per time through boundaries with a law
-
-  Collective.
-*/
+/* ScalarsMeasure - Adds the scalars to the report: of each its mean, least and largest value, its
+   error against the reference solution, and what enters per time through boundaries with a law.
+   Collective. */
 PetscErrorCode ScalarsMeasure(const Flow *flow, Report *report)
 {
   const Scalars   *all = flow->state->scalars;

@@ -100,13 +100,9 @@ static PetscReal LayerError(const Flow *flow, const Resolution *resolution)
   return PetscMin(error, 1.0);
 }
 
-/*
-  TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
-  at most TRUSTED, otherwise 0
-
-  Collective. Errors are root mean squares over ErrorScale(). That of the operators is over the sum
-  of both, the most that the true velocity can be.
-*/
+/* TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
+   at most TRUSTED, otherwise 0. Collective. Errors are root mean squares over ErrorScale(). That of
+   the operators is over the sum of both, the most that the true velocity can be. */
 PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
 {
   const PetscReal scale = ErrorScale(flow);
@@ -191,12 +187,9 @@ static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and one if
-  bounds cut its viscosity
-
-  Collective on the viewer. The error is of order dx^2, which gives the number -n of the line.
-*/
+/* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and one if
+   bounds cut its viscosity. Collective on the viewer. The error is of order dx^2, which gives the
+   number -n of the line. */
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
 {
   const Trust *trust = &report->trust;

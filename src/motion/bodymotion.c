@@ -79,12 +79,8 @@ PetscErrorCode BodiesMove(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BodiesRegister - Adds the poses of bodies that move, and the share of the fluid in solids, to the
-  memory of the run
-
-  Collective. Undo, checkpoints and restarts then have them.
-*/
+/* BodiesRegister - Adds the poses of bodies that move, and the share of the fluid in solids, to the
+   memory of the run. Collective. Undo, checkpoints and restarts then have them. */
 PetscErrorCode BodiesRegister(const Scene *scene, Scheme *scheme)
 {
   const PetscInt size  = (PetscInt)(sizeof(Pose) / sizeof(PetscReal));

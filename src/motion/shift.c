@@ -25,7 +25,6 @@ PetscReal ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt)
   drift apart. The random displacement ShiftRow.disturbance in the first step breaks this symmetry.
   Input: dx - spacing of the particle [m]; strength - S; speed - U, the largest of the flow [m/s];
   rate - |grad u| at the particle [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
-
   Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D follows from measurements
   with this program.
 */

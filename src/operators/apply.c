@@ -249,12 +249,8 @@ static PetscErrorCode ApplyRows(const AffineProducts *of, PetscBool fluid, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AffineApply - Computes the product of an operator with a field, y = A f + B e
-
-  Collective. Input: f - values over fluid; walls - the wall data e, not read without walls; NULL:
-  zero.
-*/
+/* AffineApply - Computes the product of an operator with a field, y = A f + B e. Collective. Input:
+   f - values over fluid; walls - the wall data e, not read without walls; NULL: zero. */
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {
   PetscFunctionBegin;
@@ -298,12 +294,9 @@ PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AffineApplyAll - Computes the products of n operators with the same field, y_k = A_k f + B_k e
-
-  Collective. At most AFFINE_MOST operators of the same Operators. One exchange of the halo and one
-  pass over the neighbours serve all of them.
-*/
+/* AffineApplyAll - Computes the products of n operators with the same field, y_k = A_k f + B_k e.
+   Collective. At most AFFINE_MOST operators of the same Operators. One exchange of the halo and one
+   pass over the neighbours serve all of them. */
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[])
 {

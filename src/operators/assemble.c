@@ -415,16 +415,11 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
 
     (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w
 
-  for operators op on values f of the fluid, with wall data e.
-
-  Collective on the particles' communicator. Does nothing if positions and numbering have not
-  changed since the last assembly.
-
-  Output Parameter:
-. changed - flag: the matrices are new
-
-  Notes: increases ops->assemblies, the stamp by which solvers recognise new matrices; sets
-  ops->regularised_rows, the number of least-squares fits whose points did not determine them.
+  for operators op on values f of the fluid, with wall data e. Collective on the particles'
+  communicator. Does nothing if positions and numbering have not changed since the last assembly.
+  Output: changed - flag: the matrices are new. Notes: increases ops->assemblies, the stamp by which
+  solvers recognise new matrices; sets ops->regularised_rows, the number of least-squares fits whose
+  points did not determine them.
 */
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)

@@ -304,17 +304,9 @@ PetscErrorCode OperatorsDegree(const Scene *scene, PetscInt *degree)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsChoose - Chooses the discretisation in space
-
-  Collective on PETSC_COMM_WORLD.
-
-  Input Parameter:
-. needs - bits of Need, the operators of the run; forms for other operators are not chosen
-
-  Output Parameter:
-. forms - the choice: table rows, lengths [m] and coupling of velocity components
-*/
+/* OperatorsChoose - Chooses the discretisation in space. Collective on PETSC_COMM_WORLD. Input:
+   needs - bits of Need, the operators of the run; forms for other operators are not chosen. Output:
+   forms - the choice: table rows, lengths [m] and coupling of velocity components. */
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   Regime   *regime = scene->regime;

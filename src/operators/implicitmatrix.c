@@ -96,14 +96,10 @@ static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AffineSystemCreate - Creates a matrix with the sparsity pattern of A
-
-  Collective. Input: type - type of the matrix; MATSAME: the usual one; MATSHELL: products and the
-  diagonal by the rows, in all assemblies of an epoch. Output: J - the matrix, for
-  AffineSystemSet(), also of other operators with the same rows. If it is no shell, it is valid
-  until the next assembly.
-*/
+/* AffineSystemCreate - Creates a matrix with the sparsity pattern of A. Collective. Input: type -
+   type of the matrix; MATSAME: the usual one; MATSHELL: products and the diagonal by the rows, in
+   all assemblies of an epoch. Output: J - the matrix, for AffineSystemSet(), also of other
+   operators with the same rows. If it is no shell, it is valid until the next assembly. */
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J)
 {
   PetscBool same, shell;
@@ -198,12 +194,9 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AffineBlock - Creates a matrix of the operators op[c] on interlaced components: op[c] fills rows
-  dim i + c or columns dim j + c
-
-  Collective. Input: rows - with columns. Output: block - destroy with MatDestroy().
-*/
+/* AffineBlock - Creates a matrix of the operators op[c] on interlaced components: op[c] fills rows
+   dim i + c or columns dim j + c. Collective. Input: rows - with columns. Output: block - destroy
+   with MatDestroy(). */
 PetscErrorCode AffineBlock(const Particles *p, const OperatorRows *rows, const AffineLayout *by,
                            const AffineOperator op[], Mat *block)
 {

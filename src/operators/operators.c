@@ -188,14 +188,9 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsCreate - Creates the operators that a run needs
-
-  Collective on PETSC_COMM_WORLD. Nothing is assembled yet.
-
-  Input Parameter:
-. needs - bits of Need; an operator that is not needed is neither chosen nor assembled
-*/
+/* OperatorsCreate - Creates the operators that a run needs. Collective on PETSC_COMM_WORLD. Nothing
+   is assembled yet. Input: needs - bits of Need; an operator that is not needed is neither chosen
+   nor assembled. */
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **operators)
 {
   const PetscBool pressure = needs & NEED_PRESSURE ? PETSC_TRUE : PETSC_FALSE;

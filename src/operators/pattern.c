@@ -55,21 +55,11 @@ static PetscInt SortColumns(PetscInt n, const PetscInt cols[], PetscInt sorted[]
   return length;
 }
 
-/*
-  PatternRow - Adds row i; to be called for i = 0, 1, 2, ...
-
-  A repeated column (a particle and its periodic image) becomes a single entry.
-
-  Input Parameters:
-+ cols  - global columns in any order
-. local - local indices of their particles
-- n     - number of columns
-
-  Output Parameter:
-. slot - position of the entry of cols[k] in the arrays of values
-
-  Returns: true if the slots of cols[0], cols[1], ... follow each other
-*/
+/* PatternRow - Adds row i; to be called for i = 0, 1, 2, ... A repeated column (a particle and its
+   periodic image) becomes a single entry. Input: cols - global columns in any order; local - local
+   indices of their particles; n - number of columns. Output: slot - position of the entry of
+   cols[k] in the arrays of values. Returns: true if the slots of cols[0], cols[1], ... follow each
+   other. */
 PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
                      PetscInt n, PetscInt slot[])
 {
@@ -165,20 +155,11 @@ static PetscErrorCode SplitMatSet(const Pattern *pattern, const PetscReal values
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatternMat - Creates a matrix on the pattern
-
-  Collective on comm.
-
-  Input Parameters:
-+ rows, cols - local sizes
-. values     - in the order of the pattern; on a single rank the matrix uses this array
-- like       - matrix of this function with the same pattern; NULL: none
-
-  Output Parameter:
-. A - MATSEQAIJ on a single rank, otherwise MATMPIAIJ, which shares columns and scatter with `like`:
-      a scatter of its own would take eight more collective calls
-*/
+/* PatternMat - Creates a matrix on the pattern. Collective on comm. Input: rows, cols - local
+   sizes; values - in the order of the pattern; on a single rank the matrix uses this array; like -
+   matrix of this function with the same pattern; NULL: none. Output: A - MATSEQAIJ on a single
+   rank, otherwise MATMPIAIJ, which shares columns and scatter with `like`: a scatter of its own
+   would take eight more collective calls. */
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat like, Mat *A)
 {
@@ -200,12 +181,8 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatternMatSet - Sets the values of a matrix of PatternMat() to those of its rows, which it keeps
-  as MAT_VALUES
-
-  Collective. On a single rank they are the array of the matrix.
-*/
+/* PatternMatSet - Sets the values of a matrix of PatternMat() to those of its rows, which it keeps
+   as MAT_VALUES. Collective. On a single rank they are the array of the matrix. */
 PetscErrorCode PatternMatSet(const SparseRows *rows, Mat A)
 {
   const Pattern pattern = {.row = rows->row, .col = rows->col, .n = rows->n};
@@ -219,14 +196,11 @@ PetscErrorCode PatternMatSet(const SparseRows *rows, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatternBlocks - Creates a matrix of dim x dim blocks on a pattern, with zeros
-
-  Collective. Component b of particle j is unknown number dim j + b. The entries of a slot in each
-  of the dim rows of a particle follow each other, and columns ascend. Input: entries - of a slot in
-  a row: dim, or 1 if blocks are diagonal; columns - number of own particles that the columns stand
-  for.
-*/
+/* PatternBlocks - Creates a matrix of dim x dim blocks on a pattern, with zeros. Collective.
+   Component b of particle j is unknown number dim j + b. The entries of a slot in each of the dim
+   rows of a particle follow each other, and columns ascend. Input: entries - of a slot in a row:
+   dim, or 1 if blocks are diagonal; columns - number of own particles that the columns stand for.
+   */
 PetscErrorCode PatternBlocks(const Particles *p, PetscInt entries, const Pattern *pattern,
                              PetscInt columns, Mat *A)
 {

@@ -60,12 +60,9 @@ PetscErrorCode SparseRowsGet(Mat A, const char name[], SparseRows **rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SparseRowsMat - Creates a matrix from rows of SparseRowsMalloc()
-
-  Collective on comm. Input: cols - local size. Input/Output: rows - the matrix takes them over.
-  Output: A - MATSEQAIJ on a single rank, otherwise MATMPIAIJ.
-*/
+/* SparseRowsMat - Creates a matrix from rows of SparseRowsMalloc(). Collective on comm. Input: cols
+   - local size. Input/Output: rows - the matrix takes them over. Output: A - MATSEQAIJ on a single
+   rank, otherwise MATMPIAIJ. */
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A)
 {
   PetscMPIInt size;
@@ -272,12 +269,9 @@ static PetscBool HasProducts(const OwnRows *x, const SparseRows *y, PetscInt i)
   return PETSC_FALSE;
 }
 
-/*
-  SparseAddProduct - Adds to a matrix those entries of the product X Y that are in its pattern
-
-  Collective. For preconditioners: the product itself has many more entries. The sum is of type
-  MATAIJ, X and Y also of derived types; rows of Y without entries cost nothing.
-*/
+/* SparseAddProduct - Adds to a matrix those entries of the product X Y that are in its pattern.
+   Collective. For preconditioners: the product itself has many more entries. The sum is of type
+   MATAIJ, X and Y also of derived types; rows of Y without entries cost nothing. */
 PetscErrorCode SparseAddProduct(Mat X, Mat Y, Mat sum)
 {
   OwnRows       x, z;

@@ -152,11 +152,8 @@ static void AddCell(const Particles *p, const StrainCells *s, PetscInt c, PetscI
   }
 }
 
-/*
-  StrainScale - Computes the entries of the viscous matrices for the present viscosities of cells
-
-  Collective.
-*/
+/* StrainScale - Computes the entries of the viscous matrices for the present viscosities of cells.
+   Collective. */
 PetscErrorCode StrainScale(const Scene *scene, const Particles *p, const StrainCells *s, Mat A,
                            Mat B)
 {

@@ -84,13 +84,9 @@ PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *p, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsFollowStrain - Computes the viscosities of a rheology from the strain rate, and updates
-  the viscous operator
-
-  Collective on the particles' communicator. Input: u - velocity components over the fluid; walls -
-  wall velocity. Output: p->nu with its halo, ops->velocity[0].visc.
-*/
+/* OperatorsFollowStrain - Computes the viscosities of a rheology from the strain rate, and updates
+   the viscous operator. Collective on the particles' communicator. Input: u - velocity components
+   over the fluid; walls - wall velocity. Output: p->nu with its halo, ops->velocity[0].visc. */
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
                                      const Vec u[], Operators *ops)
 {
@@ -113,13 +109,9 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TangentCreate - Creates the tangent of a rheology for the present operators, with Picard's matrix
-  of the present viscosities until the first TangentFollow()
-
-  Collective. To be called only if ops->forms.components_coupled. The tangent is valid until the
-  particles or operators change.
-*/
+/* TangentCreate - Creates the tangent of a rheology for the present operators, with Picard's matrix
+   of the present viscosities until the first TangentFollow(). Collective. To be called only if
+   ops->forms.components_coupled. The tangent is valid until the particles or operators change. */
 PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
                              StressTangent **tangent)
 {
@@ -217,16 +209,12 @@ static PetscReal StressWork(const Rheology *law, PetscInt dim, const PetscReal S
   return HalfProduct(dim, error, change);
 }
 
-/*
-  TangentShare - Returns the share of an iteration's change of velocity that should be taken: the
-  largest of 1, 1/2, 1/4, ... at which the error of the stresses does at most OVERSHOOT times the
-  work that it did before the change, with the other sign
-
-  Collective. The work increases with the share, from a negative number to zero at the least
-  potential along the change. A whole change goes far beyond if the viscosity before it is too
-  small, as in a fluid that thickens from rest. Input: u - velocity components after the
-  change.
-*/
+/* TangentShare - Returns the share of an iteration's change of velocity that should be taken: the
+   largest of 1, 1/2, 1/4, ... at which the error of the stresses does at most OVERSHOOT times the
+   work that it did before the change, with the other sign. Collective. The work increases with the
+   share, from a negative number to zero at the least potential along the change. A whole change
+   goes far beyond if the viscosity before it is too small, as in a fluid that thickens from rest.
+   Input: u - velocity components after the change. */
 PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallValues *walls,
                             PetscReal *share)
 {
@@ -250,13 +238,10 @@ PetscErrorCode TangentShare(const StressTangent *t, const Vec u[], const WallVal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TangentFollow - Linearises the stress about a velocity, and updates viscosities and viscous
-  operator
-
-  Collective. Input: u - velocity components, most often of a solve with the linearisation before.
-  Output: p->nu with its halo, ops->velocity[0].visc, and t->error and stress.
-*/
+/* TangentFollow - Linearises the stress about a velocity, and updates viscosities and viscous
+   operator. Collective. Input: u - velocity components, most often of a solve with the
+   linearisation before. Output: p->nu with its halo, ops->velocity[0].visc, and t->error and
+   stress. */
 PetscErrorCode TangentFollow(StressTangent *t, const Vec u[], const WallValues *walls)
 {
   const Particles *p     = t->p;
@@ -347,9 +332,8 @@ static void TermOfCells(const StressTangent *t, PetscInt i, PetscReal y[])
 
     y += scale sum_j dnu_ij w_ij (u_j - u_i),   dnu = theta nu'(g)/g S:dS/2,   dS = S(v) - S(0)
 
-  at the velocity u of the last TangentFollow()
-
-  Collective. Input: v - velocity components, without wall data. Output: y [scale times m/s^2].
+  at the velocity u of the last TangentFollow(). Collective. Input: v - velocity components, without
+  wall data. Output: y [scale times m/s^2].
 */
 PetscErrorCode TangentApplyAdd(StressTangent *t, PetscReal scale, const Vec v[], const Vec y[])
 {

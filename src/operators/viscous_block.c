@@ -126,13 +126,9 @@ static PetscErrorCode ScaleCells(const Scene *scene, const Particles *p, const O
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsScaleViscosity - Computes the values of visc.A and visc.B for the present viscosities of
-  particles
-
-  Collective on the particles' communicator. To be called only if ops->forms.components_coupled, and
-  with viscosities that are up to date in the halo.
-*/
+/* OperatorsScaleViscosity - Computes the values of visc.A and visc.B for the present viscosities of
+   particles. Collective on the particles' communicator. To be called only if
+   ops->forms.components_coupled, and with viscosities that are up to date in the halo. */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
   const AffineOperator *op      = &ops->velocity[0].visc;

@@ -345,19 +345,10 @@ static char *SplitComponent(char text[])
   return NULL;
 }
 
-/*
-  ExpressionSet - Sets an expression from the text of its components, "sin(pi*y), 0"
-
-  Collective on PETSC_COMM_WORLD.
-
-  Input Parameters:
-+ option       - name of the option, for messages
-. fewest, most - allowed numbers of components
-- allowed      - bits of ExpressionUse
-
-  Output Parameter:
-. e - valid as long as the scope exists
-*/
+/* ExpressionSet - Sets an expression from the text of its components, "sin(pi*y), 0". Collective on
+   PETSC_COMM_WORLD. Input: option - name of the option, for messages; fewest, most - allowed
+   numbers of components; allowed - bits of ExpressionUse. Output: e - valid as long as the scope
+   exists. */
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e)
 {
@@ -385,11 +376,8 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ExpressionGet - Reads an option and sets an expression from its text by ExpressionSet()
-
-  Collective. Output: e - unchanged if the option is not given; given - may be NULL.
-*/
+/* ExpressionGet - Reads an option and sets an expression from its text by ExpressionSet().
+   Collective. Output: e - unchanged if the option is not given; given - may be NULL. */
 PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
                              PetscInt most, unsigned allowed, Expression *e, PetscBool *given)
 {
@@ -514,13 +502,10 @@ PetscReal ExpressionOf(const Expression *e, PetscInt c, PetscReal t, const Petsc
   return value;
 }
 
-/*
-  ExpressionRate - Returns the time derivative of component c by a centred difference,
-  [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
-
-  Input: tau - time in which the expression changes [s]. For an oscillation of angular frequency w
-  the relative error is (1e-5 w tau)^2/6. The expression is never evaluated at negative times.
-*/
+/* ExpressionRate - Returns the time derivative of component c by a centred difference, [f(t + 1e-5
+   tau) - f(t - 1e-5 tau)]/(2e-5 tau). Input: tau - time in which the expression changes [s]. For an
+   oscillation of angular frequency w the relative error is (1e-5 w tau)^2/6. The expression is
+   never evaluated at negative times. */
 PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                          PetscReal tau)
 {

@@ -171,16 +171,9 @@ static PetscBool IsAlso(const OptionRow *row, const char name[])
   return OptionTextHas(row->also, word);
 }
 
-/*
-  OptionNearest - Finds the known option nearest to a misspelt one, or that with this other name
-
-  Input: name - with its dash; <k> in patterns takes the first number in it.
-
-  Output Parameter:
-. nearest - the known name, with its dash
-
-  Returns: its row; NULL if no name is near
-*/
+/* OptionNearest - Finds the known option nearest to a misspelt one, or that with this other name.
+   Input: name - with its dash; <k> in patterns takes the first number in it. Output: nearest - the
+   known name, with its dash. Returns: its row; NULL if no name is near. */
 const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH])
 {
   const char      *digits = name + strcspn(name, "0123456789");

@@ -55,18 +55,9 @@ static PetscErrorCode CheckReal(const OptionRow *row, const char text[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetReal - Reads a number
-
-  Collective.
-
-  Input/Output Parameter:
-. value - out: the number of the user; if none is given, the default of the row if it is a number;
-          otherwise unchanged
-
-  Output Parameter:
-. given - the user gave the option; may be NULL
-*/
+/* OptionGetReal - Reads a number. Collective. Input/Output: value - out: the number of the user; if
+   none is given, the default of the row if it is a number; otherwise unchanged. Output: given - the
+   user gave the option; may be NULL. */
 PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given)
 {
   const char *text;
@@ -134,19 +125,9 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetReals - Reads numbers separated by commas
-
-  Collective.
-
-  Input Parameter:
-. capacity - most numbers allowed
-
-  Output Parameters:
-+ value - the numbers; unchanged if the option is not given
-. n     - their count; 0 if the option is not given
-- given - may be NULL
-*/
+/* OptionGetReals - Reads numbers separated by commas. Collective. Input: capacity - most numbers
+   allowed. Output: value - the numbers; unchanged if the option is not given; n - their count; 0 if
+   the option is not given; given - may be NULL. */
 PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal value[],
                               PetscInt *n, PetscBool *given)
 {
@@ -174,13 +155,9 @@ PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetFlags - Reads words separated by commas, each for one bit
-
-  Collective. Output: flags - bit k for word k of the row; 0 if the option is not given.
-
-  Note: an option without words chooses none, so that it can undo the choice of an options file
-*/
+/* OptionGetFlags - Reads words separated by commas, each for one bit. Collective. Output: flags -
+   bit k for word k of the row; 0 if the option is not given. Note: an option without words chooses
+   none, so that it can undo the choice of an options file. */
 PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
 {
   const char *text;
@@ -222,12 +199,9 @@ PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetFile - Reads a path, empty where the option is not given
-
-  Collective. Errors: refuses a path that is too long or has a line break, and devices, folders and
-  the like; a symbolic link is read, but not written
-*/
+/* OptionGetFile - Reads a path, empty where the option is not given. Collective. Errors: refuses a
+   path that is too long or has a line break, and devices, folders and the like; a symbolic link is
+   read, but not written. */
 PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN])
 {
   PetscBool there, ordinary;
@@ -247,17 +221,9 @@ PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionGetRow - Reads the name of a row of the option's table
-
-  Collective.
-
-  Input Parameter:
-. standard - name of the row taken where the option is not given; NULL: the default of the option
-
-  Output Parameter:
-. chosen - address of a pointer to the row (any row type)
-*/
+/* OptionGetRow - Reads the name of a row of the option's table. Collective. Input: standard - name
+   of the row taken where the option is not given; NULL: the default of the option. Output: chosen -
+   address of a pointer to the row (any row type). */
 PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *chosen)
 {
   const char *name;
@@ -270,12 +236,9 @@ PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionTyped - Reads the text of an option as the user typed it
-
-  Collective. Input: option - its name, which a table must have. Output: text - empty where the
-  option is not given or has no value; given - flag.
-*/
+/* OptionTyped - Reads the text of an option as the user typed it. Collective. Input: option - its
+   name, which a table must have. Output: text - empty where the option is not given or has no
+   value; given - flag. */
 PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given)
 {
   PetscFunctionBegin;
@@ -313,13 +276,10 @@ static PetscErrorCode CheckMonitor(const char name[], const char text[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionsCheckSolvers - Refuses numbers and monitors of PETSc's solvers that their rows do not allow
-
-  Collective. PETSc itself accepts them and then fails, or needs more memory than there is. To be
-  called before anything is read; the options stay unread, so that OptionsRefuseUnknown() finds
-  them.
-*/
+/* OptionsCheckSolvers - Refuses numbers and monitors of PETSc's solvers that their rows do not
+   allow. Collective. PETSc itself accepts them and then fails, or needs more memory than there is.
+   To be called before anything is read; the options stay unread, so that OptionsRefuseUnknown()
+   finds them. */
 PetscErrorCode OptionsCheckSolvers(void)
 {
   PetscInt n;
@@ -346,11 +306,8 @@ PetscErrorCode OptionsCheckSolvers(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionsRefuseTogether - Ends the run if two options that contradict each other are both given
-
-  Collective. Input: why - the end of the sentence "-a and -b cannot both be given: why"
-*/
+/* OptionsRefuseTogether - Ends the run if two options that contradict each other are both given.
+   Collective. Input: why - the end of the sentence "-a and -b cannot both be given: why". */
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[])
 {
   PetscBool has_a, has_b;

@@ -222,18 +222,10 @@ static void CheckFile(const char option[], const char path[], int depth, char se
   if (file) (void)fclose(file);
 }
 
-/*
-  OptionsFileCheck - Checks an options file and its included files
-
-  To be called before PetscInitialize().
-
-  Input Parameters:
-+ option - option that gives the file; NULL: PETSc reads the file only if it exists
-- path   - of the file
-
-  Output: sentence - the first mistake with file and line; unchanged if there is none or if it holds
-  a sentence already
-*/
+/* OptionsFileCheck - Checks an options file and its included files. To be called before
+   PetscInitialize(). Input: option - option that gives the file; NULL: PETSc reads the file only if
+   it exists; path - of the file. Output: sentence - the first mistake with file and line; unchanged
+   if there is none or if it holds a sentence already. */
 void OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length)
 {
   CheckFile(option, path, 0, sentence, length);

@@ -24,7 +24,6 @@ static PetscReal Limited(PetscReal slope, PetscReal before, PetscReal after)
   min(|d_k-1|, |d_k|), and 0 where d changes its sign or is 0. The curve then has no extremum
   between two values, dy/dt is continuous, and the error is of order h^3 where y is monotone, of
   order h^2 at extrema. Input: t, y; slope - n places. Returns: NULL, or a fault of the times.
-
   Reference: M. Steffen, Astron. Astrophys. 239 (1990) 443, with his limit of monotone cubics
 */
 const char *TimeCurveSet(TimeCurve *curve)
@@ -50,8 +49,7 @@ const char *TimeCurveSet(TimeCurve *curve)
 }
 
 /*
-  TimeCurveValue - Returns the value of a curve at time t; beyond its ends that of the last cubic
-
+  TimeCurveValue - Returns the value of a curve at time t; beyond its ends that of the last cubic.
   With x = (t - t_k)/h_k between t_k and t_k+1
 
     y = y_k + x h_k s_k + x^2 [3 D - h_k (2 s_k + s_k+1)] + x^3 [h_k (s_k + s_k+1) - 2 D],

@@ -59,14 +59,9 @@ static PetscErrorCode Refuse(const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionsRefuseUnknown - Ends the run if an option was given that nothing has read
-
-  Collective on PETSC_COMM_WORLD.
-
-  Input Parameter:
-. deferred_too - true: refuses also unread options of IsDeferred(), which PETSc reads only later
-*/
+/* OptionsRefuseUnknown - Ends the run if an option was given that nothing has read. Collective on
+   PETSC_COMM_WORLD. Input: deferred_too - true: refuses also unread options of IsDeferred(), which
+   PETSc reads only later. */
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
 {
   PetscInt n;

@@ -69,18 +69,10 @@ static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CellsBuild - Sorts all local particles, own and halo, into cells
-
-  Input Parameters:
-+ particles - the particles, with an up-to-date halo
-- size      - edge of a cell [m]; enlarged if almost all cells would be empty
-
-  Output Parameter:
-. cells - the cells; zero before the first call, which allocates storage that later calls reuse
-
-  Error: PETSC_ERR_FP if a position is not finite
-*/
+/* CellsBuild - Sorts all local particles, own and halo, into cells. Input: particles - the
+   particles, with an up-to-date halo; size - edge of a cell [m]; enlarged if almost all cells would
+   be empty. Output: cells - the cells; zero before the first call, which allocates storage that
+   later calls reuse. Error: PETSC_ERR_FP if a position is not finite. */
 PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cells)
 {
   const Particles *p = particles;
@@ -172,20 +164,11 @@ static inline void ListWithin(const Cells *cells, PetscInt first, PetscInt last,
 
     |x_j - x| < radius
 
-  Input Parameters:
-+ cells  - the cells
-. x      - the point [m]
-. radius - the radius, of any size [m]
-- max    - size of list
-
-  Output Parameters:
-+ list  - local indices, ascending
-- count - number of particles found
-
-  Note: distances refer to positions at CellsBuild(). Neighbors.cells may be older than the present
-  positions: search them with radius + margin / 2, and test the present distances.
-
-  Error: PETSC_ERR_ARG_OUTOFRANGE if there are more than max
+  Input: cells - the cells; x - the point [m]; radius - the radius, of any size [m]; max - size of
+  list. Output: list - local indices, ascending; count - number of particles found. Note: distances
+  refer to positions at CellsBuild(). Neighbors.cells may be older than the present positions:
+  search them with radius + margin / 2, and test the present distances. Error:
+  PETSC_ERR_ARG_OUTOFRANGE if there are more than max
 */
 PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radius, PetscInt max,
                          PetscInt list[], PetscInt *count)

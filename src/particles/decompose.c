@@ -269,24 +269,12 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesDecompose - Finds the new owner of each own particle, and sets the box of this rank
-
-  Collective
-
-  Input Parameters:
-+ scene - the scene
-- p     - the particles, wrapped into periodic boxes
-
-  Output Parameters:
-+ owner - new owner of each own particle, fluid and wall
-- p     - cut_axis, cut, lo and hi are set
-
-  Notes:
-  New boxes are computed in the first epoch, if p->redraw is set, and if a box holds more than 1.1
-  times the mean work of fluid particles. Along axes that are not periodic the outer boxes are
-  infinite, because walls lie outside the scene's box.
-*/
+/* ParticlesDecompose - Finds the new owner of each own particle, and sets the box of this rank.
+   Collective. Input: scene - the scene; p - the particles, wrapped into periodic boxes. Output:
+   owner - new owner of each own particle, fluid and wall; p - cut_axis, cut, lo and hi are set.
+   Notes: New boxes are computed in the first epoch, if p->redraw is set, and if a box holds more
+   than 1.1 times the mean work of fluid particles. Along axes that are not periodic the outer boxes
+   are infinite, because walls lie outside the scene's box. */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
 {
   PetscMPIInt rank, ranks;

@@ -3,12 +3,9 @@
 */
 #include "impl.h"
 
-/*
-  ParticlesLargestMove - Computes the largest displacement of a particle on any rank [m]
-
-  Collective. Input: from - earlier positions of own particles [m]. Output: move - PETSC_MAX_REAL
-  if a position is not a finite number.
-*/
+/* ParticlesLargestMove - Computes the largest displacement of a particle on any rank [m].
+   Collective. Input: from - earlier positions of own particles [m]. Output: move - PETSC_MAX_REAL
+   if a position is not a finite number. */
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move)
 {
   PetscReal largest = 0.0;
@@ -47,22 +44,13 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
 
     max_i |x_i - x_i(epoch)| >= skin / 2
 
-  Collective
-
-  Input Parameters:
-+ scene     - the scene
-. particles - the particles, with new positions of own particles
-- force     - true: starts an epoch in any case; the same on all ranks
-
-  Output Parameter:
-. started - true if an epoch started; may be NULL
-
-  Notes: At the start of an epoch, positions are wrapped into periodic boxes, particles migrate with
-  all registered fields, are sorted and get new numbers, and the halo is rebuilt. Otherwise nothing
-  changes: then call ParticlesUpdateHalo(). Two particles that come closer than halo_width during
-  the epoch were closer than halo_width + skin at its start, so the halos hold every such pair.
-
-  Error: PETSC_ERR_FP if a position is not finite
+  Collective. Input: scene - the scene; particles - the particles, with new positions of own
+  particles; force - true: starts an epoch in any case; the same on all ranks. Output: started -
+  true if an epoch started; may be NULL. Notes: At the start of an epoch, positions are wrapped into
+  periodic boxes, particles migrate with all registered fields, are sorted and get new numbers, and
+  the halo is rebuilt. Otherwise nothing changes: then call ParticlesUpdateHalo(). Two particles
+  that come closer than halo_width during the epoch were closer than halo_width + skin at its start,
+  so the halos hold every such pair. Error: PETSC_ERR_FP if a position is not finite
 */
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started)

@@ -28,24 +28,13 @@ static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ExchangeItems - Sends items to the ranks that need them, including this rank, and receives items
-
-  Collective on comm
-
-  Input Parameters:
-+ comm  - communicator
-. unit  - MPI type of the numbers in an item
-. width - count of numbers in an item
-. n_to  - count of items for each rank of comm
-- send  - items in the order of ranks
-
-  Output Parameters:
-+ n_sources - number of ranks that sent items
-. source    - their ranks, ascending; free with PetscFree()
-. n_from    - count of items from each of them; free with PetscFree()
-- recv      - address of a pointer to the items in the order of source; free with PetscFree()
-*/
+/* ExchangeItems - Sends items to the ranks that need them, including this rank, and receives items.
+   Collective on comm. Input: comm - communicator; unit - MPI type of the numbers in an item; width
+   - count of numbers in an item; n_to - count of items for each rank of comm; send - items in the
+   order of ranks. Output: n_sources - number of ranks that sent items; source - their ranks,
+   ascending; free with PetscFree(); n_from - count of items from each of them; free with
+   PetscFree(); recv - address of a pointer to the items in the order of source; free with
+   PetscFree(). */
 PetscErrorCode ExchangeItems(MPI_Comm comm, MPI_Datatype unit, PetscInt width,
                              const PetscInt n_to[], const void *send, PetscMPIInt *n_sources,
                              PetscMPIInt **source, PetscInt **n_from, void *recv)

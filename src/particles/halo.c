@@ -187,18 +187,9 @@ static PetscErrorCode HaloFill(Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  HaloBuild - Finds the particles whose copies each rank needs, and copies them
-
-  Collective
-
-  Input Parameters:
-+ scene - the scene
-- p     - own particles: migrated, sorted and wrapped into periodic boxes
-
-  Output Parameter:
-. p - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH
-*/
+/* HaloBuild - Finds the particles whose copies each rank needs, and copies them. Collective. Input:
+   scene - the scene; p - own particles: migrated, sorted and wrapped into periodic boxes. Output: p
+   - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH. */
 PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
 {
   HaloList    list = {0};
@@ -230,13 +221,9 @@ PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
 
     x_copy = x_owner + shift
 
-  Collective
-
-  Input Parameter:
-. particles - the particles, with new positions of own particles
-
-  Note: call it after each change of own positions that did not start an epoch. It increases the
-  stamp `moved`; neighbours and matrices compare it to detect that they are out of date.
+  Collective. Input: particles - the particles, with new positions of own particles. Note: call it
+  after each change of own positions that did not start an epoch. It increases the stamp `moved`;
+  neighbours and matrices compare it to detect that they are out of date.
 */
 PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 {
@@ -251,17 +238,9 @@ PetscErrorCode ParticlesUpdateHalo(Particles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesHaloField - Copies values of own particles to the halo
-
-  Collective
-
-  Input Parameter:
-. particles - the particles
-
-  Input/Output Parameter:
-. values - by local index: reads values of own particles, writes values of the halo
-*/
+/* ParticlesHaloField - Copies values of own particles to the halo. Collective. Input: particles -
+   the particles. Input/Output: values - by local index: reads values of own particles, writes
+   values of the halo. */
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[])
 {
   PetscFunctionBegin;

@@ -162,19 +162,10 @@ static PetscErrorCode NumberParticles(Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesStore - Replaces own particles by the particles of records, and counts the particles of
-  all ranks
-
-  Collective. Owners, numbers and halo are invalid until an epoch starts.
-
-  Input Parameters:
-+ n      - number of records of this rank
-- record - the records, in the layout of ParticlesPack()
-
-  Output Parameter:
-. p - own particles in sorted order, n_fluid, n_wall, N_fluid and N_wall; the halo is empty
-*/
+/* ParticlesStore - Replaces own particles by the particles of records, and counts the particles of
+   all ranks. Collective. Owners, numbers and halo are invalid until an epoch starts. Input: n -
+   number of records of this rank; record - the records, in the layout of ParticlesPack(). Output: p
+   - own particles in sorted order, n_fluid, n_wall, N_fluid and N_wall; the halo is empty. */
 PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
                               const PetscReal record[])
 {
@@ -194,19 +185,9 @@ PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesMigrate - Sends own particles with all fields to their owners, sorts and numbers them
-
-  Collective
-
-  Input Parameters:
-+ scene - the scene
-. p     - the particles
-- owner - rank of every own particle
-
-  Output Parameter:
-. p - own particles sorted by (fluid or wall, cell, id) and numbered; the halo is empty
-*/
+/* ParticlesMigrate - Sends own particles with all fields to their owners, sorts and numbers them.
+   Collective. Input: scene - the scene; p - the particles; owner - rank of every own particle.
+   Output: p - own particles sorted by (fluid or wall, cell, id) and numbered; the halo is empty. */
 PetscErrorCode ParticlesMigrate(const Scene *scene, Particles *p, const PetscInt owner[])
 {
   PetscMPIInt ranks, n_sources, *source;

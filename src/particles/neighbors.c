@@ -8,18 +8,10 @@
 #define MARGIN_STEPS   10          /* number of steps that a margin should last */
 #define STEP_TOO_LONG  (0.1 / 2.6) /* of the radius: a margin would last two steps or fewer */
 
-/*
-  NeighborsCreate - Creates an empty set of rows
-
-  Input Parameters:
-+ radius  - largest radius of a particle, at most Particles.halo_width [m]; two particles are
-            neighbours if they are closer than the larger of their radii
-- spacing - largest edge of the cells of particles with this radius [m]; radii are in proportion to
-            these edges
-
-  Output Parameter:
-. neighbors - the rows; NeighborsUpdate() fills them
-*/
+/* NeighborsCreate - Creates an empty set of rows. Input: radius - largest radius of a particle, at
+   most Particles.halo_width [m]; two particles are neighbours if they are closer than the larger of
+   their radii; spacing - largest edge of the cells of particles with this radius [m]; radii are in
+   proportion to these edges. Output: neighbors - the rows; NeighborsUpdate() fills them. */
 PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **neighbors)
 {
   PetscFunctionBegin;
@@ -178,19 +170,12 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 
     rows are kept while  (2 + slope) max_i |x_i - x_i(last build)| <= margin
 
-  Collective
-
-  Input Parameters:
-+ particles   - the particles, with an up-to-date halo
-- step_length - bound of the largest displacement in a step [m], the same on all ranks. The margin
-                lasts for ten such steps, but is at most 0.15 radius; it is zero if the bound is
-                zero or above 0.1/2.6 of the radius
-
-  Output Parameter:
-. neighbors - row and col; the cells hold positions at the time of the build
-
-  Note: all pairs closer than radius are in the rows, also in kept rows. For a search in kept cells
-  see CellsFind().
+  Collective. Input: particles - the particles, with an up-to-date halo; step_length - bound of the
+  largest displacement in a step [m], the same on all ranks. The margin lasts for ten such steps,
+  but is at most 0.15 radius; it is zero if the bound is zero or above 0.1/2.6 of the radius.
+  Output: neighbors - row and col; the cells hold positions at the time of the build. Note: all
+  pairs closer than radius are in the rows, also in kept rows. For a search in kept cells see
+  CellsFind().
 */
 PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
                                Neighbors *neighbors)

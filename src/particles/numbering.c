@@ -26,16 +26,9 @@ static PetscErrorCode SendIds(const Particles *p, PetscInt n, PetscInt64 id[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesCountRepeated - Counts the records of all ranks whose id is also the id of an earlier
-  record
-
-  Collective. Each rank sorts a range of ids.
-
-  Input Parameters:
-+ n      - number of records of this rank
-- record - the records, each accepted by ParticlesValidRecord()
-*/
+/* ParticlesCountRepeated - Counts the records of all ranks whose id is also the id of an earlier
+   record. Collective. Each rank sorts a range of ids. Input: n - number of records of this rank;
+   record - the records, each accepted by ParticlesValidRecord(). */
 PetscErrorCode ParticlesCountRepeated(const Particles *p, PetscInt n, const PetscReal record[],
                                       PetscInt *repeated)
 {

@@ -48,15 +48,9 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesCreate - Creates an empty set of particles with its fields; ParticlesFill() fills it
-
-  Collective on PETSC_COMM_WORLD
-
-  Input Parameters:
-+ scene      - the scene
-- halo_width - largest interaction radius of any operator [m]
-*/
+/* ParticlesCreate - Creates an empty set of particles with its fields; ParticlesFill() fills it.
+   Collective on PETSC_COMM_WORLD. Input: scene - the scene; halo_width - largest interaction radius
+   of any operator [m]. */
 PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particles **particles)
 {
   Particles  *p;
@@ -85,11 +79,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesDestroy - Frees the particles and the arrays of all registered fields
-
-  Collective
-*/
+/* ParticlesDestroy - Frees the particles and the arrays of all registered fields. Collective. */
 PetscErrorCode ParticlesDestroy(Particles **particles)
 {
   Particles *p = *particles;

@@ -4,12 +4,9 @@
 */
 #include "impl.h"
 
-/*
-  ParticlesUnpack - Restores fields of own particles from records packed in the present epoch
-
-  Collective. In an epoch the order of own particles is constant, so records need no search. Updates
-  the positions of the halo.
-*/
+/* ParticlesUnpack - Restores fields of own particles from records packed in the present epoch.
+   Collective. In an epoch the order of own particles is constant, so records need no search.
+   Updates the positions of the halo. */
 PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 {
   const PetscInt width = ParticlesRecordWidth(p);
@@ -24,16 +21,10 @@ PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesReplace - Replaces own particles by records and starts an epoch
-
-  Collective. Each particle must be given once, on any rank. The resulting owners, order and numbers
-  depend only on the particles and the number of ranks.
-
-  Input Parameters:
-+ n      - number of records on this rank
-- record - the records, in the layout of ParticlesPack()
-*/
+/* ParticlesReplace - Replaces own particles by records and starts an epoch. Collective. Each
+   particle must be given once, on any rank. The resulting owners, order and numbers depend only on
+   the particles and the number of ranks. Input: n - number of records on this rank; record - the
+   records, in the layout of ParticlesPack(). */
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
                                 const PetscReal record[])
 {
@@ -174,24 +165,14 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesInsert - Adds particles with new ids and starts an epoch
-
-  Collective, between steps. Does nothing if no rank adds a particle.
-
-  Input Parameter:
-. added - kind, positions and values; ParticlesHolds() must be true for each position
-
-  Output Parameter:
-. first - id of the first new particle of this rank; its other new particles have the ids that
-          follow; may be NULL
-
-  Notes:
-  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
-  is called for each field except positions. After an insertion the scheme's Begin reinitialises the
-  flow. Ids depend on the number of ranks. Mean values come from own and halo particles: this is the
-  reason for the condition on positions.
-*/
+/* ParticlesInsert - Adds particles with new ids and starts an epoch. Collective, between steps.
+   Does nothing if no rank adds a particle. Input: added - kind, positions and values;
+   ParticlesHolds() must be true for each position. Output: first - id of the first new particle of
+   this rank; its other new particles have the ids that follow; may be NULL. Notes: Each field of a
+   new particle has the value of its EntryPolicy unless Value() replaces it; Value() is called for
+   each field except positions. After an insertion the scheme's Begin reinitialises the flow. Ids
+   depend on the number of ranks. Mean values come from own and halo particles: this is the reason
+   for the condition on positions. */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)
 {
@@ -223,16 +204,10 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewPartic
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesRemove - Removes own particles and starts an epoch
-
-  Collective, between steps. Does nothing if no rank removes a particle. Ids of removed particles
-  are not used again. Afterwards the scheme's Begin reinitialises the flow.
-
-  Input Parameters:
-+ n     - number of particles to remove on this rank
-- local - their local indices, each once, in any order
-*/
+/* ParticlesRemove - Removes own particles and starts an epoch. Collective, between steps. Does
+   nothing if no rank removes a particle. Ids of removed particles are not used again. Afterwards
+   the scheme's Begin reinitialises the flow. Input: n - number of particles to remove on this rank;
+   local - their local indices, each once, in any order. */
 PetscErrorCode ParticlesRemove(const Scene *scene, Particles *p, PetscInt n, const PetscInt local[])
 {
   const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);

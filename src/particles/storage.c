@@ -33,26 +33,15 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesRegister - Registers arrays as a field, whose values migrate and are sorted with the
-  particles
-
-  Collective: fields must be registered in the same order on all ranks
-
-  Input Parameters:
-+ particles  - the particles
-. name       - for messages and files; the string is not copied
-. components - number of arrays
-. halo       - HALO_EPOCH: values of the halo are filled at the start of each later epoch
-. entry      - default value for particles that are inserted later
-- slot       - the caller's array of `components` pointers; must live as long as the particles
-
-  Notes:
-  slot[c][i], i < capacity, is allocated here, set to zero, and freed by ParticlesDestroy(). The
-  address may change at each start of an epoch: always use the slot, and keep no copy of it. Every
-  field must have values for own particles, fluid and wall. A field of positions is not wrapped into
-  the box.
-*/
+/* ParticlesRegister - Registers arrays as a field, whose values migrate and are sorted with the
+   particles. Collective: fields must be registered in the same order on all ranks. Input: particles
+   - the particles; name - for messages and files; the string is not copied; components - number of
+   arrays; halo - HALO_EPOCH: values of the halo are filled at the start of each later epoch; entry
+   - default value for particles that are inserted later; slot - the caller's array of `components`
+   pointers; must live as long as the particles. Notes: slot[c][i], i < capacity, is allocated here,
+   set to zero, and freed by ParticlesDestroy(). The address may change at each start of an epoch:
+   always use the slot, and keep no copy of it. Every field must have values for own particles,
+   fluid and wall. A field of positions is not wrapped into the box. */
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
                                  HaloPolicy halo, EntryPolicy entry, PetscReal **slot)
 {

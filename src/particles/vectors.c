@@ -28,12 +28,9 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FluidVec - Creates a vector of a scalar over the own fluid particles
-
-  Collective. Input: array - particle field that becomes the storage of the vector; NULL: the vector
-  allocates its storage. The vector is valid for the present epoch.
-*/
+/* FluidVec - Creates a vector of a scalar over the own fluid particles. Collective. Input: array -
+   particle field that becomes the storage of the vector; NULL: the vector allocates its storage.
+   The vector is valid for the present epoch. */
 PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 {
   PetscFunctionBegin;
@@ -56,12 +53,9 @@ PetscErrorCode FluidSumOwn(const Particles *p, Vec f, PetscBool squared, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, see FluidSumOwn()
-
-  Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
-  theory.md, (119).
-*/
+/* FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, see FluidSumOwn().
+   Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
+   theory.md, (119). */
 PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
   PetscFunctionBegin;
@@ -90,16 +84,9 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LocalValues - Collects the values of a scalar by local index, without the halo
-
-  Input Parameters:
-+ f, walls - values over own fluid and own wall particles; NULL: zeros
-- step     - distance of the values of consecutive particles
-
-  Output Parameter:
-. value - of the own particles
-*/
+/* LocalValues - Collects the values of a scalar by local index, without the halo. Input: f, walls -
+   values over own fluid and own wall particles; NULL: zeros; step - distance of the values of
+   consecutive particles. Output: value - of the own particles. */
 PetscErrorCode LocalValues(const Particles *p, Vec f, Vec walls, PetscInt step, PetscReal value[])
 {
   const Vec          own[] = {f, walls};

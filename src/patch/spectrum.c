@@ -34,13 +34,10 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatchSpectrum - Reports eigenvalues and condition number of -L dx^2 over the box, L: Laplacian
-
-  Collective. Reports eig_min and eig_max, the least and largest real part of the eigenvalues [-],
-  and condition, the largest singular value divided by the least [-]. LAPACK computes all
-  eigenvalues, redundantly on every rank.
-*/
+/* PatchSpectrum - Reports eigenvalues and condition number of -L dx^2 over the box, L: Laplacian.
+   Collective. Reports eig_min and eig_max, the least and largest real part of the eigenvalues [-],
+   and condition, the largest singular value divided by the least [-]. LAPACK computes all
+   eigenvalues, redundantly on every rank. */
 PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
 {
   const PetscReal dx2 = PetscSqr(patch->scene->dx);

@@ -58,14 +58,11 @@ static PetscErrorCode AddSize(Mat M, PetscReal *entries, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatchStructure - Reports the structure of the Laplacian L, L f = A f + B f_around, with A over the
-  particles in the box and B over the particles around it
-
-  Collective. Reports row_sum_max, the largest |sum_j L_ij| dx^2; asymmetry, |A - A^T|/|A| (all
-  particles have equal volumes); wrong_sign_share, the share of negative weights in the sum of all
-  |weights| off the diagonal; nnz, the number of entries of A and B; and their memory_mb [MB].
-*/
+/* PatchStructure - Reports the structure of the Laplacian L, L f = A f + B f_around, with A over
+   the particles in the box and B over the particles around it. Collective. Reports row_sum_max, the
+   largest |sum_j L_ij| dx^2; asymmetry, |A - A^T|/|A| (all particles have equal volumes);
+   wrong_sign_share, the share of negative weights in the sum of all |weights| off the diagonal;
+   nnz, the number of entries of A and B; and their memory_mb [MB]. */
 PetscErrorCode PatchStructure(const Patch *patch, Report *report)
 {
   const AffineOperator *L    = &patch->ops->velocity[0].visc;

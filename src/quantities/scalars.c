@@ -152,11 +152,9 @@ static PetscErrorCode ReadScalar(ExpressionScope *scope, PetscInt k, ScalarGiven
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarsRead - Reads the scalars of a scene, and names them for all expressions that are set later
-
-  Collective on PETSC_COMM_WORLD. Output: scalars - NULL if there are none; n - their number.
-*/
+/* ScalarsRead - Reads the scalars of a scene, and names them for all expressions that are set
+   later. Collective on PETSC_COMM_WORLD. Output: scalars - NULL if there are none; n - their
+   number. */
 PetscErrorCode ScalarsRead(ExpressionScope *scope, ScalarGiven **scalars, PetscInt *n)
 {
   PetscFunctionBegin;

@@ -12,9 +12,8 @@
     W'' <- lap psi - (d-1) W'/r,
     lap psi = lap W/S - 2 grad W.grad S/S^2 - W lap S/S^2 + 2 W |grad S|^2/S^3
 
-  A row with W'' + (d-1) W'/r is then the Laplacian of Shepard's interpolant.
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (22), (23)
+  A row with W'' + (d-1) W'/r is then the Laplacian of Shepard's interpolant. Reference: M. Basa, N.
+  Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (22), (23)
 */
 static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 {
@@ -64,11 +63,7 @@ static ISPH_WIDE void AlongPairs(Stencil *st, unsigned correction, PetscReal dW[
     W' <- -(X/r).M^-1 grad_i W,   M = sum_j V_j (grad_i W) X^T
 
   If the neighbours do not span space, M is the unit matrix, and st->regularised counts the row.
-
-  Output Parameters:
-+ dW  - corrected W'; any array except st->dW
-- ddW - W'' without correction; may be NULL
-
+  Output: dW - corrected W'; any array except st->dW; ddW - W'' without correction; may be NULL.
   Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
 */
 void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
@@ -77,13 +72,10 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
   for (PetscInt k = 0; ddW && k < st->n; k++) ddW[k] = st->ddW[k];
 }
 
-/*
-  CorrectKernel_Mixed - Computes the derivative of Shepard's kernel along the pair from its
-  corrected gradient M^-1 grad psi; W'' is left
-
-  Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115; M. Basa, N.
-  Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (24) to (26)
-*/
+/* CorrectKernel_Mixed - Computes the derivative of Shepard's kernel along the pair from its
+   corrected gradient M^-1 grad psi; W'' is left. Reference: J. Bonet, T.-S. L. Lok, Comput. Methods
+   Appl. Mech. Eng. 180 (1999) 97-115; M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids
+   60 (2009), Eqs (24) to (26). */
 static void CorrectKernel_Mixed(Stencil *st, PetscReal dW[], PetscReal ddW[])
 {
   AlongPairs(st, CORRECTION_MIXED, dW);

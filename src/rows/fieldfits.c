@@ -108,19 +108,12 @@ static PetscErrorCode Clear(PetscInt dim, const FieldGradients *of)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsFitGradients - Computes gradients of fields at a range of particles by fits of a degree
-
-  The fits have the neighbours of the operators, with the equations of boundaries on the surface for
-  a velocity, and none for a stress. If the neighbours do not determine a degree, the next lower one
-  stands.
-
-  Input/Output Parameter:
-. of - in: range, degree and fields; out: gradients, Laplacians, and whether the degree is
-       determined
-
-  Note: needs the rows of neighbours of these particles, and the fields in the halo.
-*/
+/* OperatorsFitGradients - Computes gradients of fields at a range of particles by fits of a degree.
+   The fits have the neighbours of the operators, with the equations of boundaries on the surface
+   for a velocity, and none for a stress. If the neighbours do not determine a degree, the next
+   lower one stands. Input/Output: of - in: range, degree and fields; out: gradients, Laplacians,
+   and whether the degree is determined. Note: needs the rows of neighbours of these particles, and
+   the fields in the halo. */
 PetscErrorCode OperatorsFitGradients(const Scene *scene, const Particles *p, const Neighbors *nb,
                                      Operators *ops, const FieldGradients *of)
 {
@@ -165,13 +158,10 @@ PetscErrorCode OperatorsFitGradients(const Scene *scene, const Particles *p, con
     d_i = |grad_3 u - grad_2 u|
 
   |.| is Frobenius' norm. d_i is of order dx^2, like the error of the gradients of a run, and large
-  where the particles do not resolve the velocity.
-
-  Input/Output Parameter:
-. of - in: the range of particles; out: gradient and d_i, which is the norm of the whole gradient if
-       the points do not determine the cubic fit; the gradient is then the quadratic fit's
-
-  Note: needs the rows of neighbours of these particles, and the velocity in the halo.
+  where the particles do not resolve the velocity. Input/Output: of - in: the range of particles;
+  out: gradient and d_i, which is the norm of the whole gradient if the points do not determine the
+  cubic fit; the gradient is then the quadratic fit's. Note: needs the rows of neighbours of these
+  particles, and the velocity in the halo.
 */
 PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
                                          const Neighbors *nb, Operators *ops,

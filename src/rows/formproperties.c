@@ -25,14 +25,11 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LaplacianIs - Returns true if the chosen Laplacian has a property
-
-  A Laplacian with a correction of the kernel, or with particles of several sizes, is never
-  symmetric: correction and kernel differ from particle to particle. It has none of the properties
-  that follow from symmetry either. With shares of volumes on free surfaces the matrix is symmetric
-  in these volumes only, which is enough for its dissipation.
-*/
+/* LaplacianIs - Returns true if the chosen Laplacian has a property. A Laplacian with a correction
+   of the kernel, or with particles of several sizes, is never symmetric: correction and kernel
+   differ from particle to particle. It has none of the properties that follow from symmetry either.
+   With shares of volumes on free surfaces the matrix is symmetric in these volumes only, which is
+   enough for its dissipation. */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
@@ -57,15 +54,10 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
   return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
 }
 
-/*
-  ComposedTrace - Returns the factor t of the trace in the stress g + g^T - t tr(g) I
-
-  The stress of Fang et al. has no trace in dim dimensions, t = 2/dim; that of Basa et al. none in
-  three, t = 2/3.
-
-  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eqs (5),
-  (6); M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (4)
-*/
+/* ComposedTrace - Returns the factor t of the trace in the stress g + g^T - t tr(g) I. The stress
+   of Fang et al. has no trace in dim dimensions, t = 2/dim; that of Basa et al. none in three, t =
+   2/3. Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eqs
+   (5), (6); M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (4). */
 PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
 {
   return form->planar ? 2.0 / dim : 2.0 / 3.0;
@@ -80,15 +72,10 @@ PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
   return 1.0 + form->row->grad_div;
 }
 
-/*
-  LaplacianWeights - Computes the row of the chosen Laplacian
-
-  Output Parameter:
-. w - w[k] multiplies f_k - f_i [m^-2]; for wall neighbours and for st->own see LaplacianRow
-
-  Notes: forms that couple components take a correction as a vector from KernelGradients(), the
-  others its component along the pair.
-*/
+/* LaplacianWeights - Computes the row of the chosen Laplacian. Output: w - w[k] multiplies f_k -
+   f_i [m^-2]; for wall neighbours and for st->own see LaplacianRow. Notes: forms that couple
+   components take a correction as a vector from KernelGradients(), the others its component along
+   the pair. */
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscReal w[])
 {
   PetscReal *const dW = st->dW, *const ddW = st->ddW;
@@ -117,14 +104,9 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LaplacianFactors - Computes the factors of a form at all particles, if the form has factors
-
-  Collective on the particles' communicator.
-
-  Input/Output Parameter:
-. form - its factors; those of wall particles are not set
-*/
+/* LaplacianFactors - Computes the factors of a form at all particles, if the form has factors.
+   Collective on the particles' communicator. Input/Output: form - its factors; those of wall
+   particles are not set. */
 PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 const Operators *ops, LaplacianForm *form)
 {
@@ -168,9 +150,8 @@ const char *OperatorsCorrection(const Operators *ops)
   Reason: the row is the Laplacian of g(x) = m(x) (u(x) - u_i), m(x) the mean of nu_i and nu(x). At
   x_i the mean has the value nu_i and the gradient grad nu/2, so lap g = nu lap u + grad nu.grad u
   to the order of the form. If an interface lies half way between i and j, nu_ij (u_j - u_i) is the
-  exact flux times the distance, for any jump of nu. See theory.md, (64) and (65).
-
-  Reference: P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
+  exact flux times the distance, for any jump of nu. See theory.md, (64) and (65). Reference: P. W.
+  Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
 */
 void WeighByViscosity(const Scene *scene, const Particles *p, const Stencil *st, PetscReal w[])
 {

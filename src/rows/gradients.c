@@ -10,9 +10,8 @@
     (df/dx_a)_i = sum_j V_j (dW/dx_a)_i (f_j - f_i)
 
   Properties: exact for constants. The gradient of a linear field has an error of order 1 on
-  disordered particles; on a lattice it is wrong by a constant factor near 1.
-
-  Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
+  disordered particles; on a lattice it is wrong by a constant factor near 1. Reference: J. J.
+  Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
 */
 static PetscErrorCode GradientRow_Plain(Stencil *st, PetscReal *g[])
 {
@@ -28,9 +27,8 @@ static PetscErrorCode GradientRow_Plain(Stencil *st, PetscReal *g[])
 
     (grad f)_i = M^-1 sum_j V_j grad_i W (f_j - f_i),   M = sum_j V_j (grad_i W) X^T
 
-  Properties: exact for linear fields on any arrangement of particles.
-
-  Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
+  Properties: exact for linear fields on any arrangement of particles. Reference: J. Bonet, T.-S. L.
+  Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
 */
 static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
 {

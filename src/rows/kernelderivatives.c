@@ -62,10 +62,7 @@ static PetscReal ShepardHessian(const Stencil *st, const KernelSum *sum, PetscIn
     lap u + 1/3 grad div u ~ sum_k V_k (tr(H_k) I + H_k/3) (u_k - u_i),   H_k = Hessian of W_k
 
   With the correction shepard H_k is the Hessian of W_k over the kernel sum. Constants then vanish,
-  as in differences.
-
-  Properties: symmetric for equal volumes; anti-diffusive like direct_scalar.
-
+  as in differences. Properties: symmetric for equal volumes; anti-diffusive like direct_scalar.
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A, Eqs
   (6), (23), (27), (28)
 */
@@ -100,13 +97,10 @@ PetscErrorCode LaplacianRow_DirectDifference(Stencil *st, PetscReal w[])
 
   The row is that of LaplacianRow_DirectDifference() with a weight of the particle's own velocity,
   the sum of all weights, which is of order 1/dx^2. With the correction shepard this sum is zero.
-
   Properties: the Fourier transform of -(tr(H) I + H/3) is (k^2 I + k k^T/3) times that of the
   kernel, which is positive for Wendland's kernels. With these the form damps every velocity on any
-  arrangement of particles, uniform velocities too.
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A, Eqs
-  (6), (27), (28)
+  arrangement of particles, uniform velocities too. Reference: M. Basa, N. Quinlan, M. Lastiwka,
+  Int. J. Numer. Meth. Fluids 60 (2009), model A, Eqs (6), (27), (28)
 */
 PetscErrorCode LaplacianRow_Direct(Stencil *st, PetscReal w[])
 {

@@ -130,18 +130,10 @@ static void RenormalisedGradients(Stencil *st, PetscReal M[], PetscReal *c[])
     c_k = M^-1 V_k grad_i W,   M = sum_j V_j (grad_i W) X^T   first_order
     c_k = M^-1 V_k grad (W/S), with M of this gradient        mixed
 
-  The gradient of a field is sum_k c_k (f_k - f_i).
-
-  Input Parameter:
-. correction - CorrectionBit; 0: none
-
-  Output Parameter:
-. c - component a of neighbour k is c[a][k] [1/m]
-
-  Notes: sets st->radial too.
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (2), (22),
-  (24) to (26); J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
+  The gradient of a field is sum_k c_k (f_k - f_i). Input: correction - CorrectionBit; 0: none.
+  Output: c - component a of neighbour k is c[a][k] [1/m]. Notes: sets st->radial too. Reference: M.
+  Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (2), (22), (24) to (26);
+  J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
 */
 void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
 {

@@ -21,9 +21,8 @@ static ISPH_WIDE void MorrisWeights(const Stencil *st, PetscReal w[])
     (lap f)_i = sum_j -2 V_j (W'/r) (f_j - f_i)
 
   Properties: symmetric for equal volumes; consistent on lattices only, with an error O(1/dx) on
-  disordered particles.
-
-  Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226
+  disordered particles. Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997)
+  214-226
 */
 static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 {
@@ -37,10 +36,8 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 
     (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
 
-  Properties: symmetric for equal volumes; all weights positive, theory.md, (8). With the
-  cubic spline the result on lattices is wrong by up to 8 %; on disordered particles the error is
-  O(1/dx).
-
+  Properties: symmetric for equal volumes; all weights positive, theory.md, (8). With the cubic
+  spline the result on lattices is wrong by up to 8 %; on disordered particles the error is O(1/dx).
   Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H. Gotoh et al.,
   Appl. Ocean Res. 46 (2014) 104-115; the printed form is -(d+2)/2 times the Laplacian
 */
@@ -62,7 +59,6 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
   Properties: symmetric for equal volumes. Its weights change sign, and the matrix of -lap has
   negative eigenvalues: with spline kernels on lattices, with all kernels on disordered particles
   (theory.md, (40)). Modes that should decay then grow, so the form serves for comparison only.
-
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
   div u = 0
 */
@@ -84,7 +80,6 @@ static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
     g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W,   M = sum_j V_j (grad_i W) X^T
 
   Properties: exact for linear fields; error O(1) for quadratic fields on disordered particles.
-
   Reference: H. F. Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008) 647-671, with corrected signs
 */
 static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])

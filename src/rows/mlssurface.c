@@ -214,13 +214,10 @@ static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
 
   The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
   within the support this is the fit of mls.c for each component. Rough and isolated particles,
-  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have no
-  2 mu n.E n, and the pair forces of stress.c, which need no normal and whose traction on the
-  surface is zero.
-
-  Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
-  force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
-
+  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have no 2
+  mu n.E n, and the pair forces of stress.c, which need no normal and whose traction on the surface
+  is zero. Properties: exact for quadratic velocities that satisfy the condition at the surface
+  particles; no force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
   Reference: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (boundary conditions as equations of fits)
 */
 PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
@@ -249,17 +246,13 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u for a varying viscosity; couples
-  velocity components
-
-  Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
-  stress.c: theory.md, (71). Rows are those of a fit of each component. If the particle or a
-  neighbour is on a free surface, the row has pair forces with the factor of the particle, whose
-  traction on the surface is zero, and the surface has no pressure: theory.md, (187). A
-  condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose gradient
-  is not the stress.
-*/
+/* LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u for a varying viscosity; couples
+   velocity components. Weights multiplied by the mean viscosities of pairs give div(2 nu E) +
+   grad(nu div u), as those of stress.c: theory.md, (71). Rows are those of a fit of each component.
+   If the particle or a neighbour is on a free surface, the row has pair forces with the factor of
+   the particle, whose traction on the surface is zero, and the surface has no pressure: theory.md,
+   (187). A condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose
+   gradient is not the stress. */
 PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;

@@ -4,15 +4,9 @@
 */
 #include "assembly.h"
 
-/*
-  OperatorsStream - Gathers the stencil of each own fluid particle and calls a function with it
-
-  Walls are values of fits, and free surfaces have no equations.
-
-  Input Parameters:
-+ Row - reads the stencil, whose volumes it may replace
-- ctx - of Row
-*/
+/* OperatorsStream - Gathers the stencil of each own fluid particle and calls a function with it.
+   Walls are values of fits, and free surfaces have no equations. Input: Row - reads the stencil,
+   whose volumes it may replace; ctx - of Row. */
 PetscErrorCode OperatorsStream(const Scene *scene, const Particles *p, const Neighbors *nb,
                                const Operators *ops, StreamRow Row, void *ctx)
 {
@@ -26,12 +20,8 @@ PetscErrorCode OperatorsStream(const Scene *scene, const Particles *p, const Nei
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OperatorsStreamFactors - Computes the factors of the viscous form, which its rows read, at the
-  present positions
-
-  Collective. Does nothing if the form has none.
-*/
+/* OperatorsStreamFactors - Computes the factors of the viscous form, which its rows read, at the
+   present positions. Collective. Does nothing if the form has none. */
 PetscErrorCode OperatorsStreamFactors(const Scene *scene, const Particles *p, const Neighbors *nb,
                                       Operators *ops)
 {

@@ -72,14 +72,11 @@ static void SetPairForce(const Stencil *st, PetscInt k, PetscReal c, PetscReal w
 
     sum_k c_k e_a e_b X_c = 0,   sum_k c_k e_a e_b X_c X_d = 2 (d_ab d_cd + d_ac d_bd + d_ad d_bc).
 
-  Weights multiplied by the mean viscosities nu_ik of pairs (WeighByViscosity()) give
-  div(2 nu E) + grad(nu div u) with the strain rate tensor E, including the terms in grad nu. The
-  second term is a bulk viscosity, which does not act on solenoidal flow.
-
-  Properties: exact for quadratic fields on any arrangement of particles; no force on rigid motions
-  for any nu; not symmetric. Needs particles behind walls: if a wall cuts the stencil in half, the
-  strengths do not damp the velocity.
-
+  Weights multiplied by the mean viscosities nu_ik of pairs (WeighByViscosity()) give div(2 nu E) +
+  grad(nu div u) with the strain rate tensor E, including the terms in grad nu. The second term is a
+  bulk viscosity, which does not act on solenoidal flow. Properties: exact for quadratic fields on
+  any arrangement of particles; no force on rigid motions for any nu; not symmetric. Needs particles
+  behind walls: if a wall cuts the stencil in half, the strengths do not damp the velocity.
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
   there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails: on
   disordered particles its operator has an eigenvalue of the wrong sign, which accelerates a drop
@@ -121,12 +118,9 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
     2 (d+2) sum_k V_k (u_k - u_i).X/r^2 grad_i W ~ lap u + 2 grad div u
 
   The factor is exact in the continuum: theory.md, (167). The published factor 8 is that of two
-  dimensions.
-
-  Properties: symmetric for equal volumes with forces along the pair, as pairwise_stress. A
-  correction replaces grad_i W, whose direction then is not that of the pair. On lattices the
-  viscosity depends on the direction of the strain: theory.md, the table below (167).
-
+  dimensions. Properties: symmetric for equal volumes with forces along the pair, as
+  pairwise_stress. A correction replaces grad_i W, whose direction then is not that of the pair. On
+  lattices the viscosity depends on the direction of the strain: theory.md, the table below (167).
   Reference: J. J. Monaghan, R. A. Gingold, J. Comput. Phys. 52 (1983) 374-389; D. Violeau, R. Issa,
   Int. J. Numer. Meth. Fluids 53 (2007) 277-304; M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer.
   Meth. Fluids 60 (2009), model C, Eq. (33), here without the term eta^2 added to r^2
@@ -203,16 +197,13 @@ static void DropFriction(const Stencil *st, PetscReal w[])
     c_k = 2 V_k (W'' - W'/r) (B_i + B_k)/2,               B_i = d (d+2)/sum_k V_k (W'' - W'/r) r^2
 
   B makes the dissipation of u = x exact in any cloud of equal volumes with or without a free
-  surface, on which the traction is zero: theory.md, (148) to (150).
-
-  Properties: symmetric for equal volumes, so momentum and angular momentum are constant; all
-  strengths are positive; no force on rigid motions for any viscosities. On lattices the viscosity
-  depends on the direction of the strain, by 5 % for h/dx = 1.3; on disordered particles the error
-  is O(1/dx). Needs particles behind walls; a wall particle has the factor of the row.
-
-  Reference: M. Weiler, D. Koschier, M. Brand, J. Bender, Comput. Graph. Forum 37(2) (2018), there
-  with -(d+2) W'/r in place of W'' - W'/r, after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148
-  (1999), and with B = 1
+  surface, on which the traction is zero: theory.md, (148) to (150). Properties: symmetric for equal
+  volumes, so momentum and angular momentum are constant; all strengths are positive; no force on
+  rigid motions for any viscosities. On lattices the viscosity depends on the direction of the
+  strain, by 5 % for h/dx = 1.3; on disordered particles the error is O(1/dx). Needs particles
+  behind walls; a wall particle has the factor of the row. Reference: M. Weiler, D. Koschier, M.
+  Brand, J. Bender, Comput. Graph. Forum 37(2) (2018), there with -(d+2) W'/r in place of W'' -
+  W'/r, after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999), and with B = 1
 */
 PetscErrorCode LaplacianRow_PairwiseStress(Stencil *st, PetscReal w[])
 {

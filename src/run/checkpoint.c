@@ -21,14 +21,13 @@ static const OptionRow options[] = {
 const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 
 /*
-  CheckpointsCreate - Reads the options of checkpoints and of a restart
-
-  Collective on PETSC_COMM_WORLD.
+  CheckpointsCreate - Reads the options of checkpoints and of a restart. Collective on
+  PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -checkpoint file.h5 - file written at the end, and on SIGTERM, SIGINT and SIGXCPU
-. -checkpoint_every T - write the file also after the first step at or past each multiple of T [s]
-- -restart file.h5    - file to restart from, on any number of ranks
+  + -checkpoint file.h5 - file written at the end, and on SIGTERM, SIGINT and SIGXCPU
+  . -checkpoint_every T - write the file also after the first step at or past each multiple of T [s]
+  - -restart file.h5    - file to restart from, on any number of ranks
 
   Errors: a path that cannot be written ends the run
 */
@@ -222,16 +221,10 @@ PetscErrorCode RunWriteCheckpoint(Run *run, const char path[], PetscBool final)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CheckpointsUpdate - Writes a checkpoint if one is due
-
-  Collective on PETSC_COMM_WORLD. Called after every step. Input: final - true at the end and on a
-  signal.
-
-  Notes: writing starts an epoch, and the scheme begins anew from the fields, as in a restarted run
-
-  Errors: a file that cannot be written ends the run; the last checkpoint remains
-*/
+/* CheckpointsUpdate - Writes a checkpoint if one is due. Collective on PETSC_COMM_WORLD. Called
+   after every step. Input: final - true at the end and on a signal. Notes: writing starts an epoch,
+   and the scheme begins anew from the fields, as in a restarted run. Errors: a file that cannot be
+   written ends the run; the last checkpoint remains. */
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
 {
   Checkpoints *c     = run->checkpoints;

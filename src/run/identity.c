@@ -53,12 +53,8 @@ static uint64_t HashWord(uint64_t hash, uint64_t word)
 
 #define HASH_OF_NOTHING 14695981039346656037u
 
-/*
-  CheckpointSumNumbers - Adds a checksum of n numbers
-
-  Not collective. For numbers that are equal on all ranks; for distributed records see
-  CheckpointSumRecords().
-*/
+/* CheckpointSumNumbers - Adds a checksum of n numbers. Not collective. For numbers that are equal
+   on all ranks; for distributed records see CheckpointSumRecords(). */
 void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
 {
   uint64_t hash = HASH_OF_NOTHING;

@@ -20,11 +20,8 @@ PetscErrorCode InterruptInstall(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  InterruptCheck - Checks if a signal has reached any rank
-
-  Collective on PETSC_COMM_WORLD. Output: signal - its number, 0 for none.
-*/
+/* InterruptCheck - Checks if a signal has reached any rank. Collective on PETSC_COMM_WORLD. Output:
+   signal - its number, 0 for none. */
 PetscErrorCode InterruptCheck(PetscMPIInt *signal)
 {
   PetscFunctionBegin;

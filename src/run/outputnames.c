@@ -177,12 +177,9 @@ static PetscErrorCode KeepForeignFile(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  RunCheckOutputs - Refuses two options that lead to the same file, unless both only read it, and a
-  checkpoint in the place of another file
-
-  Collective. To be called before any file is opened: solvers take their viewers early.
-*/
+/* RunCheckOutputs - Refuses two options that lead to the same file, unless both only read it, and a
+   checkpoint in the place of another file. Collective. To be called before any file is opened:
+   solvers take their viewers early. */
 PetscErrorCode RunCheckOutputs(void)
 {
   NamedFiles *all;

@@ -328,14 +328,9 @@ static PetscErrorCode StoredFree(Stored *stored)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CheckpointsRestart - Replaces the flow at the start by the flow of the checkpoint of -restart
-
-  Collective on PETSC_COMM_WORLD. Output: restarted - true if -restart was given.
-
-  Errors: a damaged file ends the run, and so does a file of another version, case, scene or number
-  of particles
-*/
+/* CheckpointsRestart - Replaces the flow at the start by the flow of the checkpoint of -restart.
+   Collective on PETSC_COMM_WORLD. Output: restarted - true if -restart was given. Errors: a damaged
+   file ends the run, and so does a file of another version, case, scene or number of particles. */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {
   Checkpoints *c      = run->checkpoints;

@@ -318,13 +318,9 @@ PetscErrorCode RunShowBanner(Run *run, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  RunReport - Measures the flow at the end of a run and reports; checks the bounds of
-  -check_<quantity>
-
-  Collective. Input: failed - error of the last step, after which a diverged flow is reported and no
-  other; viewer - NULL: only the CSV file.
-*/
+/* RunReport - Measures the flow at the end of a run and reports; checks the bounds of
+   -check_<quantity>. Collective. Input: failed - error of the last step, after which a diverged
+   flow is reported and no other; viewer - NULL: only the CSV file. */
 PetscErrorCode RunReport(Run *run, PetscErrorCode failed, PetscViewer viewer)
 {
   const PetscMPIInt signal = run->signal;

@@ -112,19 +112,13 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 }
 
 /*
-  StartRead - Reads the fluid particles at the start from a file
-
-  Collective on PETSC_COMM_WORLD.
-
-  Output Parameters:
-+ start - this rank's share; N = 0 for a start on the lattice; freed by StartFree()
-- path  - path of the file, empty without a file
-
-  Input/Output Parameter:
-. scene - its bounds on the viscosity are set to those of the file
+  StartRead - Reads the fluid particles at the start from a file. Collective on PETSC_COMM_WORLD.
+  Output: start - this rank's share; N = 0 for a start on the lattice; freed by StartFree(); path -
+  path of the file, empty without a file. Input/Output: scene - its bounds on the viscosity are set
+  to those of the file.
 
   Options Database Key:
-. -particles file.h5 - data set `position` [m] and, if present, `velocity` [m/s], `viscosity`
+  . -particles file.h5 - data set `position` [m] and, if present, `velocity` [m/s], `viscosity`
                        [m^2/s] for varying viscosity, and `type` (0: fluid, others are skipped), as
                        in a snapshot. The walls of the case do not change.
 
@@ -178,14 +172,11 @@ PetscErrorCode StartFree(FluidStart *start)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  StartCheck - Prints the number and the closest distance of the user's particles; ends the run if
-  two particles nearly coincide
-
-  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell, so that in a full
-  box of equal cells their number must be that of a lattice within VOLUME_ERROR; beside bodies
-  lattices differ by more. Regions that are filled share their volume among the particles.
-*/
+/* StartCheck - Prints the number and the closest distance of the user's particles; ends the run if
+   two particles nearly coincide. Collective on PETSC_COMM_WORLD. Every particle has the volume of a
+   lattice cell, so that in a full box of equal cells their number must be that of a lattice within
+   VOLUME_ERROR; beside bodies lattices differ by more. Regions that are filled share their volume
+   among the particles. */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {
   const PetscReal most    = scene->n_bodies ? VOLUME_ERROR_BODIES : VOLUME_ERROR;

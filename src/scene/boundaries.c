@@ -199,13 +199,10 @@ PetscBool ScenePressureFloats(const Scene *scene)
   return PETSC_TRUE;
 }
 
-/*
-  SceneSetLevel - Sets the level of the pressure: the pressure outside free surfaces, or else the
-  mean of the pressures at t = 0 in the middle of the sides that give one; 0 if none does
-
-  Tolerances of solves and rounding are relative to pressures less this level, so that a large
-  constant in all given pressures, such as an atmosphere, changes no velocity.
-*/
+/* SceneSetLevel - Sets the level of the pressure: the pressure outside free surfaces, or else the
+   mean of the pressures at t = 0 in the middle of the sides that give one; 0 if none does.
+   Tolerances of solves and rounding are relative to pressures less this level, so that a large
+   constant in all given pressures, such as an atmosphere, changes no velocity. */
 void SceneSetLevel(Scene *scene)
 {
   PetscReal sum   = 0.0;
@@ -503,15 +500,12 @@ static PetscReal Reach(const Scene *scene, const Body *body)
   return PetscSqrtReal(sum);
 }
 
-/*
-  SceneWallSpeedBound - Bounds the speed of the flow that a moving wall drives [m/s]
-
-  Input: u - wall velocity at the surface point x. A wall that slides tangentially drags fluid at
-  its own speed at most. But a very viscous fluid outside a body may rotate with it like a solid:
-  the bound is then the speed of this rotation at the farthest corner of the box. A wall that moves
-  along its normal can squeeze fluid through gaps at any speed, and a pressure can drive it through
-  a boundary that does not confine it: the bound is infinite.
-*/
+/* SceneWallSpeedBound - Bounds the speed of the flow that a moving wall drives [m/s]. Input: u -
+   wall velocity at the surface point x. A wall that slides tangentially drags fluid at its own
+   speed at most. But a very viscous fluid outside a body may rotate with it like a solid: the bound
+   is then the speed of this rotation at the farthest corner of the box. A wall that moves along its
+   normal can squeeze fluid through gaps at any speed, and a pressure can drive it through a
+   boundary that does not confine it: the bound is infinite. */
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[])
 {

@@ -79,13 +79,10 @@ PetscReal SideEntering(PetscInt side, const PetscReal u[])
   return side % 2 ? -u[side / 2] : u[side / 2];
 }
 
-/*
-  SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
-  properties, positive in the fluid [m]
-
-  Output: side - number of this boundary, -1 if there is none (then the distance is infinite). For a
-  point on a surface the distance is zero within SCENE_ON_SURFACE dx.
-*/
+/* SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
+   properties, positive in the fluid [m]. Output: side - number of this boundary, -1 if there is
+   none (then the distance is infinite). For a point on a surface the distance is zero within
+   SCENE_ON_SURFACE dx. */
 PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
                           PetscInt *side)
 {
@@ -144,20 +141,11 @@ static PetscBool PlaneOf(const Scene *scene, PetscInt side, const PetscReal x[],
   return plane->distance < reach;
 }
 
-/*
-  SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x
-
-  Used for mirror images, for the minimum distance from walls, and for the extrapolation of wall
-  velocities, which depend on geometry instead of particles.
-
-  Input Parameters:
-+ x     - a point [m]
-- reach - largest distance from x [m]
-
-  Output Parameters:
-+ planes - a plane for each boundary within reach, of the WALL_PLANES nearest ones if there are more
-- count  - their number
-*/
+/* SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x. Used for
+   mirror images, for the minimum distance from walls, and for the extrapolation of wall velocities,
+   which depend on geometry instead of particles. Input: x - a point [m]; reach - largest distance
+   from x [m]. Output: planes - a plane for each boundary within reach, of the WALL_PLANES nearest
+   ones if there are more; count - their number. */
 void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                      WallPlane planes[WALL_PLANES], PetscInt *count)
 {

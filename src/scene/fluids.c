@@ -190,16 +190,11 @@ static PetscReal RegionInterface(const Scene *scene, const InterfacePoints *poin
   return r;
 }
 
-/*
-  SceneInterface - Returns the distance of x from the nearest interface of two fluids at the start,
-  at most `most` [m]
-
-  Interfaces are where SceneFluidAt() changes; beyond walls and free surfaces they are continued, so
-  that distances beside a straight interface are those from its plane.
-
-  Input: points - of InterfacePointsCreate(). Output: normal - unit, from the interface to x, into
-  the fluid of x; zero if there is no interface within `most`.
-*/
+/* SceneInterface - Returns the distance of x from the nearest interface of two fluids at the start,
+   at most `most` [m]. Interfaces are where SceneFluidAt() changes; beyond walls and free surfaces
+   they are continued, so that distances beside a straight interface are those from its plane.
+   Input: points - of InterfacePointsCreate(). Output: normal - unit, from the interface to x, into
+   the fluid of x; zero if there is no interface within `most`. */
 PetscReal SceneInterface(const Scene *scene, const InterfacePoints *points, const PetscReal x[],
                          PetscReal most, PetscReal normal[])
 {
@@ -268,9 +263,7 @@ PetscReal SceneShare(const Scene *scene, const PetscReal x[], PetscInt *other)
   The harmonic mean gives layers the right shear resistance wherever an interface cuts the lattice,
   because resistances in series add. In other cells the viscosity is that at x. For a fluid that is
   not Newtonian the result is the viscosity at the strain rate U/L, the first guess of the
-  iteration.
-
-  Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
+  iteration. Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
 PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 {
@@ -296,14 +289,11 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
   return n ? n / sum : SceneViscosityAt(scene, x);
 }
 
-/*
-  SceneBoundViscosity - Finds the least and largest viscosity at the centres of lattice cells; for
-  a fluid that is not Newtonian, copies the bounds of its rheology
-
-  Collective. The viscosity of a particle may lie outside these bounds, because it is a mean over a
-  cell and because the particle may start at another place; SceneBoundGivenViscosity() corrects the
-  bounds. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive ends the run.
-*/
+/* SceneBoundViscosity - Finds the least and largest viscosity at the centres of lattice cells; for
+   a fluid that is not Newtonian, copies the bounds of its rheology. Collective. The viscosity of a
+   particle may lie outside these bounds, because it is a mean over a cell and because the particle
+   may start at another place; SceneBoundGivenViscosity() corrects the bounds. Output:
+   scene->nu_low, scene->nu_high. Errors: a field that is not positive ends the run. */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
   PetscInt cells;
@@ -343,13 +333,10 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneBoundGivenViscosity - Finds the least and largest viscosity of the particles at the start
-
-  Collective. Input: nu - viscosities of the n particles of this rank [m^2/s]; if n is 0 on all
-  ranks, the bounds stay. Output: scene->nu_low, scene->nu_high. Errors: a viscosity that is not
-  positive ends the run.
-*/
+/* SceneBoundGivenViscosity - Finds the least and largest viscosity of the particles at the start.
+   Collective. Input: nu - viscosities of the n particles of this rank [m^2/s]; if n is 0 on all
+   ranks, the bounds stay. Output: scene->nu_low, scene->nu_high. Errors: a viscosity that is not
+   positive ends the run. */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {
   PetscReal bound[2] = {-PETSC_MAX_REAL, 0.0};

@@ -167,9 +167,7 @@ PetscReal LatticeGrowth(const Scene *scene)
 
 /*
   LatticeMotionEdge - Returns the mean of e^2 over the mean of e along an axis, with the edge e of
-  the cells [m]
-
-  Means are over the coordinate x. With T = tanh(beta) and the slope y' of the map
+  the cells [m]. Means are over the coordinate x. With T = tanh(beta) and the slope y' of the map
 
     int y'^3 ds / int y'^2 ds = beta/T (1 - 2 T^2/3 + T^4/5)/(1 - T^2/3)
 
@@ -298,13 +296,10 @@ PetscBool GradingHasRows(const Scene *scene, PetscInt side)
   return !BoundaryBody(scene, side) && scene->grading.even[side] > 0.0;
 }
 
-/*
-  GradingSample - Samples the wanted spacing in the fluid on a lattice of dx/2 and sets the bounds
-  of the spacing, its growth, and the volume of particles that have the velocity of the flow
-
-  Collective. Each rank samples a contiguous range of points. The samples include walls, where the
-  spacing of isotropic grading from walls has its least value.
-*/
+/* GradingSample - Samples the wanted spacing in the fluid on a lattice of dx/2 and sets the bounds
+   of the spacing, its growth, and the volume of particles that have the velocity of the flow.
+   Collective. Each rank samples a contiguous range of points. The samples include walls, where the
+   spacing of isotropic grading from walls has its least value. */
 PetscErrorCode GradingSample(Scene *scene)
 {
   Grading    *g = &scene->grading;

@@ -262,11 +262,8 @@ static PetscErrorCode ReadHole(Scene *scene, PetscInt side, const OptionRow *row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneCheckVelocities - Does SceneCheckInflow() if velocities of the sides depend on time
-
-  Collective. Those that do not were checked when they were read.
-*/
+/* SceneCheckVelocities - Does SceneCheckInflow() if velocities of the sides depend on time.
+   Collective. Those that do not were checked when they were read. */
 PetscErrorCode SceneCheckVelocities(Scene *scene, PetscReal t)
 {
   PetscBool varies = PETSC_FALSE;

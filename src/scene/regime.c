@@ -186,12 +186,9 @@ static PetscErrorCode AppendOption(const Regime *regime, const RegimeTable *tabl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  RegimeView - Prints the regime as a line of the banner: the range of U dx/nu in which no default
-  changes, and the defaults that hold, as options
-
-  Collective on the viewer. Options that the user gave are left out.
-*/
+/* RegimeView - Prints the regime as a line of the banner: the range of U dx/nu in which no default
+   changes, and the defaults that hold, as options. Collective on the viewer. Options that the user
+   gave are left out. */
 PetscErrorCode RegimeView(const Regime *regime, PetscViewer viewer)
 {
   const PetscReal cell  = regime->number[NUMBER_CELL];

@@ -321,12 +321,9 @@ static PetscErrorCode ReadBounds(Rheology *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneTypeRheology - Lets the viscosity follow scene->nu_field, an expression that may contain
-  time, scalars and the strain rate; nu/1000 and 1000 nu bound it by default
-
-  Collective. Does nothing if -rheology is not typed, and the expression has neither t nor g.
-*/
+/* SceneTypeRheology - Lets the viscosity follow scene->nu_field, an expression that may contain
+   time, scalars and the strain rate; nu/1000 and 1000 nu bound it by default. Collective. Does
+   nothing if -rheology is not typed, and the expression has neither t nor g. */
 PetscErrorCode SceneTypeRheology(Scene *scene)
 {
   static const PetscInt last = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(rheologies) - 1;
@@ -347,11 +344,8 @@ PetscErrorCode SceneTypeRheology(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
-
-  Collective. Called after scene->nu, length and speed are set.
-*/
+/* SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate. Collective.
+   Called after scene->nu, length and speed are set. */
 PetscErrorCode SceneReadRheology(Scene *scene)
 {
   Rheology       *r    = &scene->rheology;

@@ -66,11 +66,9 @@ PetscReal SceneReynolds(const Scene *scene)
   return scene->speed * scene->problem->reynolds_length * scene->length / scene->nu;
 }
 
-/*
-  SceneIsAsPosed - Returns true if the exact solution of the case holds: the run computes all
-  physics of the case and adds no body force. Added pressure or convection does not change the exact
-  solution of a case without them.
-*/
+/* SceneIsAsPosed - Returns true if the exact solution of the case holds: the run computes all
+   physics of the case and adds no body force. Added pressure or convection does not change the
+   exact solution of a case without them. */
 PetscBool SceneIsAsPosed(const Scene *scene)
 {
   const unsigned posed = scene->problem->physics;
@@ -332,13 +330,10 @@ static PetscReal ExpressionPeriod(const Scene *scene, const Expression *e, Petsc
   return periods >= 1.0 ? window / periods : PETSC_INFINITY;
 }
 
-/*
-  SceneDrivingPeriod - Returns the shortest period of the velocities of boundaries and of the body
-  force in the window [t, t + window], if it is shorter than the window; otherwise infinity [s]
-
-  The same on all ranks. Only expressions are evaluated. Input: least - largest change of a
-  velocity, or of a force times the window, that counts as none [m/s].
-*/
+/* SceneDrivingPeriod - Returns the shortest period of the velocities of boundaries and of the body
+   force in the window [t, t + window], if it is shorter than the window; otherwise infinity [s].
+   The same on all ranks. Only expressions are evaluated. Input: least - largest change of a
+   velocity, or of a force times the window, that counts as none [m/s]. */
 PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least)
 {
   PetscReal period = ExpressionPeriod(scene, &scene->force, t, window, least / window);

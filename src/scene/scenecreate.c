@@ -218,20 +218,11 @@ static void FieldsAtStart(void *ctx, PetscReal t, const PetscReal x[], PetscReal
   for (PetscInt k = 0; k < scene->n_scalars; k++) value[k] = ScalarAtStart(&scene->scalar[k], x);
 }
 
-/*
-  SceneCreate - Reads and checks the description of the flow from options
-
-  Collective on PETSC_COMM_WORLD.
-
-  Input Parameters:
-+ cases     - the option that chooses the case, with the table of cases
-- functions - rows of FunctionRow for expressions; NULL: none
-
-  Output Parameter:
-. scene - complete: geometry in m, fluid, forces and chosen physics
-
-  Notes: a patch test reads no options of fluid and physics.
-*/
+/* SceneCreate - Reads and checks the description of the flow from options. Collective on
+   PETSC_COMM_WORLD. Input: cases - the option that chooses the case, with the table of cases;
+   functions - rows of FunctionRow for expressions; NULL: none. Output: scene - complete: geometry
+   in m, fluid, forces and chosen physics. Notes: a patch test reads no options of fluid and
+   physics. */
 PetscErrorCode SceneCreate(const OptionRow *cases, const Table *functions, Scene **scene)
 {
   PetscBool given;

@@ -257,16 +257,10 @@ static PetscErrorCode CheckWidth(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadTyped - Reads the scene of -case scene
-
-  Collective.
-
-  Notes: brackets give the variables that an expression may contain, see ExpressionSet(); in 3D
-  velocities have a third component, and expressions of x and y may contain z. The option
-  of each kind of boundary stands in its row of BoundaryTable. A periodic box without bodies has no
-  walls, so the physics `walls` is off.
-*/
+/* SceneReadTyped - Reads the scene of -case scene. Collective. Notes: brackets give the variables
+   that an expression may contain, see ExpressionSet(); in 3D velocities have a third component, and
+   expressions of x and y may contain z. The option of each kind of boundary stands in its row of
+   BoundaryTable. A periodic box without bodies has no walls, so the physics `walls` is off. */
 PetscErrorCode SceneReadTyped(Scene *scene)
 {
   const PetscInt dim                   = scene->dim;

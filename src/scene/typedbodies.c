@@ -354,13 +354,9 @@ static PetscErrorCode ReadParts(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneReadBodies - Reads bodies 1, 2, ..., the domain, and the parts of its surface; an option of a
-  body may list several, which are numbered on
-
-  Collective. Input: boxed - -scene_box is given; otherwise the box follows from the domain. The
-  options are those of SceneReadTyped().
-*/
+/* SceneReadBodies - Reads bodies 1, 2, ..., the domain, and the parts of its surface; an option of
+   a body may list several, which are numbered on. Collective. Input: boxed - -scene_box is given;
+   otherwise the box follows from the domain. The options are those of SceneReadTyped(). */
 PetscErrorCode SceneReadBodies(PetscBool boxed, Scene *scene)
 {
   PetscInt  first = 1, place = 0; /* the option, and the shape in its list */

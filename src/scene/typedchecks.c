@@ -77,13 +77,9 @@ static PetscReal DistanceOf(const Scene *scene, PetscInt side, const PetscReal x
   return body ? BodyDistance(scene, body, x, normal) : SceneSideDistance(scene, side, x);
 }
 
-/*
-  SceneCheckMoved - Refuses bodies that are more than `depth` > 0 in another boundary at time t, or
-  with depth 0 touch one, unless both move as one solid: wall particles that others bury are removed
-  at the start
-
-  Collective. For scenes with bodies that move.
-*/
+/* SceneCheckMoved - Refuses bodies that are more than `depth` > 0 in another boundary at time t, or
+   with depth 0 touch one, unless both move as one solid: wall particles that others bury are
+   removed at the start. Collective. For scenes with bodies that move. */
 PetscErrorCode SceneCheckMoved(const Scene *scene, PetscReal t, PetscReal depth)
 {
   const PetscInt first = SceneBodySide(scene, 0), all = SceneBoundaries(scene);
@@ -114,13 +110,10 @@ PetscErrorCode SceneCheckMoved(const Scene *scene, PetscReal t, PetscReal depth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneCheckBodies - Refuses bodies without a surface in the fluid, bodies that overlap their own
-  periodic images, and bodies that overlap and move apart
-
-  Collective. Bodies may touch and overlap each other, the domain and sides of the box: then they
-  are one solid for the fluid, see SceneIsBuried().
-*/
+/* SceneCheckBodies - Refuses bodies without a surface in the fluid, bodies that overlap their own
+   periodic images, and bodies that overlap and move apart. Collective. Bodies may touch and overlap
+   each other, the domain and sides of the box: then they are one solid for the fluid, see
+   SceneIsBuried(). */
 PetscErrorCode SceneCheckBodies(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -183,12 +176,9 @@ PetscReal SceneNarrowestGap(const Scene *scene, PetscInt between[2], PetscReal x
   return best;
 }
 
-/*
-  SceneCheckFilled - Refuses regions filled at the start that are thin or outside the box, that end
-  on a single one of two periodic sides
-
-  Collective. A region reaches over both periodic sides of an axis or over none.
-*/
+/* SceneCheckFilled - Refuses regions filled at the start that are thin or outside the box, that end
+   on a single one of two periodic sides. Collective. A region reaches over both periodic sides of
+   an axis or over none. */
 PetscErrorCode SceneCheckFilled(const Scene *scene)
 {
   const PetscReal least = 2.0 * SceneCoarsest(scene), slack = 1e-6 * SceneTolerance(scene);
@@ -286,14 +276,11 @@ static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[])
     if (least[s] == -PETSC_INFINITY) least[s] = PETSC_INFINITY;
 }
 
-/*
-  SceneCheckFluids - Refuses a stiff fluid with a film of thinner fluid below dx before a wall
-
-  Collective. The film has no particles then: the wall drags the stiff fluid itself. A disc of
-  radius 0.1 and 1e5 times the viscosity, 0.9 dx below the lid of a cavity with n = 20, gets 5 times
-  the energy that it has with n = 80; 1.2 dx below the lid it has 0.7 times. Regions that reach the
-  wall leave no film.
-*/
+/* SceneCheckFluids - Refuses a stiff fluid with a film of thinner fluid below dx before a wall.
+   Collective. The film has no particles then: the wall drags the stiff fluid itself. A disc of
+   radius 0.1 and 1e5 times the viscosity, 0.9 dx below the lid of a cavity with n = 20, gets 5
+   times the energy that it has with n = 80; 1.2 dx below the lid it has 0.7 times. Regions that
+   reach the wall leave no film. */
 PetscErrorCode SceneCheckFluids(const Scene *scene)
 {
   PetscReal *least;

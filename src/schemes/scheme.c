@@ -59,14 +59,9 @@ static PetscErrorCode RefuseSurface(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SchemeCreate - Chooses the scheme, creates the state of the flow, and sets the first time step
-
-  Collective on PETSC_COMM_WORLD.
-
-  Input/Output Parameter:
-. flow - in: scene and clock; out: state, scheme, and the needs for the creation of operators
-*/
+/* SchemeCreate - Chooses the scheme, creates the state of the flow, and sets the first time step.
+   Collective on PETSC_COMM_WORLD. Input/Output: flow - in: scene and clock; out: state, scheme, and
+   the needs for the creation of operators. */
 PetscErrorCode SchemeCreate(Flow *flow)
 {
   Scheme     *s;

@@ -50,12 +50,10 @@ static PetscErrorCode IsBoomerAmg(const char prefix[], PetscBool *amg)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are given
-
-  Collective on PETSC_COMM_WORLD. Input: aggressive - number of levels with aggressive coarsening;
-  such levels make pressure solves faster but double the iterations of velocity solves.
-*/
+/* AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are
+   given. Collective on PETSC_COMM_WORLD. Input: aggressive - number of levels with aggressive
+   coarsening; such levels make pressure solves faster but double the iterations of velocity solves.
+   */
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
   PetscBool amg;
@@ -78,8 +76,7 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
     a_ii <- max(a_ii, sum_{j != i} |a_ij| / 2)
 
   Collective. For matrices of particles: there only fits of the Laplacian whose particles lie on one
-  side have such entries, also negative ones; theory.md, (375). Matrices of splines have right
-  ones.
+  side have such entries, also negative ones; theory.md, (375). Matrices of splines have right ones.
 */
 PetscErrorCode AmgDiagonal(Mat A)
 {
@@ -119,20 +116,11 @@ static PetscErrorCode GamgDefaults(const char prefix[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PoissonSolver - Creates the KSP of a Poisson equation, with the options of the guard's prefix, and
-  attaches the guard
-
-  Collective on PETSC_COMM_WORLD. The default method is cg for a symmetric form, otherwise fgmres.
-
-  Input Parameters:
-+ rtol - default tolerance
-- type - default preconditioner; PCHYPRE: BoomerAMG with the parameters of AmgDefaults(); PCGAMG:
-         with GamgDefaults()
-
-  Input/Output Parameter:
-. guard - in: name and prefix; out: attached to solve.ksp, which the caller destroys
-*/
+/* PoissonSolver - Creates the KSP of a Poisson equation, with the options of the guard's prefix,
+   and attaches the guard. Collective on PETSC_COMM_WORLD. The default method is cg for a symmetric
+   form, otherwise fgmres. Input: rtol - default tolerance; type - default preconditioner; PCHYPRE:
+   BoomerAMG with the parameters of AmgDefaults(); PCGAMG: with GamgDefaults(). Input/Output: guard
+   - in: name and prefix; out: attached to solve.ksp, which the caller destroys. */
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard)
 {
   PetscBool amg, gamg;
@@ -157,12 +145,9 @@ PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SolverRenewPC - Prepares a preconditioner for a matrix of another pattern or size
-
-  Collective. PCReset() suffices for all types except gamg, whose coarse levels keep their old sizes
-  (PETSc 3.18).
-*/
+/* SolverRenewPC - Prepares a preconditioner for a matrix of another pattern or size. Collective.
+   PCReset() suffices for all types except gamg, whose coarse levels keep their old sizes (PETSc
+   3.18). */
 PetscErrorCode SolverRenewPC(KSP ksp)
 {
   PetscBool   gamg;
@@ -187,12 +172,9 @@ PetscErrorCode SolverRenewPC(KSP ksp)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SolverAttachShell - Gives a block of a field split a shell as preconditioner, unless the user has
-  chosen another type for it
-
-  Collective. Input: block - its number; name - of the shell; ctx - its context.
-*/
+/* SolverAttachShell - Gives a block of a field split a shell as preconditioner, unless the user has
+   chosen another type for it. Collective. Input: block - its number; name - of the shell; ctx - its
+   context. */
 PetscErrorCode SolverAttachShell(PC fieldsplit, PetscInt block, const char name[], void *ctx,
                                  PetscErrorCode (*Apply)(PC, Vec, Vec))
 {
@@ -213,13 +195,10 @@ PetscErrorCode SolverAttachShell(PC fieldsplit, PetscInt block, const char name[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SolverSetUpGamg - Sets up PETSc's AMG so that sums have the same order in every run
-
-  Collective. Does nothing for other preconditioners. The default algorithm for the coarse matrices
-  P^T A P adds the parts of other ranks in the order in which they arrive (PETSc 3.18), and runs on
-  four ranks differed in their last digits. Matrices of one rank do not have the other algorithm.
-*/
+/* SolverSetUpGamg - Sets up PETSc's AMG so that sums have the same order in every run. Collective.
+   Does nothing for other preconditioners. The default algorithm for the coarse matrices P^T A P
+   adds the parts of other ranks in the order in which they arrive (PETSc 3.18), and runs on four
+   ranks differed in their last digits. Matrices of one rank do not have the other algorithm. */
 PetscErrorCode SolverSetUpGamg(KSP ksp)
 {
   const char *const algorithm = "-matptap_via";

@@ -8,12 +8,9 @@
 #define RESIDUAL_SLACK 10.0 /* accepted true residual divided by the tolerance */
 #define RESIDUAL_WORST 0.1  /* largest true residual accepted with any tolerance */
 
-/*
-  SolveResidual - Computes the true residual |b - A x|/|b| of a solve
-
-  Collective. Output: good - flag: the method reports success, and the residual is at most ten times
-  its tolerance and at most 0.1.
-*/
+/* SolveResidual - Computes the true residual |b - A x|/|b| of a solve. Collective. Output: good -
+   flag: the method reports success, and the residual is at most ten times its tolerance and at most
+   0.1. */
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
 {
   KSPConvergedReason reason;
@@ -113,23 +110,12 @@ static PetscErrorCode FallbackSkips(const Guard *guard, PetscInt k, PetscInt row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FallbackSolve - Solves A x = b again by fallbacks, until the true residual is small enough
-
-  Collective.
-
-  Input Parameters:
-+ b     - the right-hand side
-- guard - guard of the failed solver, which has the matrices and the tolerance
-
-  Output Parameters:
-+ x      - the solution, if solved
-- solved - PETSC_FALSE if no method reached a small true residual, or if the residual of the failed
-           solver is not finite
-
-  Notes: each fallback is printed; guard->solve.falls counts all fallbacks, and falls_in_a_row those
-  since the last success of the chosen method
-*/
+/* FallbackSolve - Solves A x = b again by fallbacks, until the true residual is small enough.
+   Collective. Input: b - the right-hand side; guard - guard of the failed solver, which has the
+   matrices and the tolerance. Output: x - the solution, if solved; solved - PETSC_FALSE if no
+   method reached a small true residual, or if the residual of the failed solver is not finite.
+   Notes: each fallback is printed; guard->solve.falls counts all fallbacks, and falls_in_a_row
+   those since the last success of the chosen method. */
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
   const KSP ksp = guard->solve.ksp;

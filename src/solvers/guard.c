@@ -71,18 +71,10 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  GuardAttach - Attaches the guard to a KSP, after KSPSetFromOptions()
-
-  Collective. Chooses the unpreconditioned norm unless the user gives a norm, so that -ksp_rtol
-  limits the true residual.
-
-  Input Parameter:
-. form - the Laplacian of the matrix; NULL: an unsymmetric matrix
-
-  Output Parameter:
-. guard - solve.ksp is set, and solve.note if a choice of the user is allowed but unwise
-*/
+/* GuardAttach - Attaches the guard to a KSP, after KSPSetFromOptions(). Collective. Chooses the
+   unpreconditioned norm unless the user gives a norm, so that -ksp_rtol limits the true residual.
+   Input: form - the Laplacian of the matrix; NULL: an unsymmetric matrix. Output: guard - solve.ksp
+   is set, and solve.note if a choice of the user is allowed but unwise. */
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool preonly, chosen, cholesky, icc;
@@ -187,15 +179,9 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  GuardCheck - Fails the step if a solve has failed since the last check
-
-  Collective.
-
-  Output Parameter:
-. failure - a sentence with the step, the methods, the reason and a remedy; fatal if fallbacks were
-            needed too often in a row
-*/
+/* GuardCheck - Fails the step if a solve has failed since the last check. Collective. Output:
+   failure - a sentence with the step, the methods, the reason and a remedy; fatal if fallbacks were
+   needed too often in a row. */
 PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
 {
   const KSP ksp = guard->solve.ksp;

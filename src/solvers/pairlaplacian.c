@@ -70,21 +70,11 @@ static PetscInt SortRow(PetscInt n, PetscInt col[], PetscScalar value[])
     (A q)_i = row_i sum_j nu_ij (dx_i/dx_ij)^2 k(r_ij/dx_ij) (q_i - q_j) + diagonal_i q_i
 
   which approximates -row_i dx_i^2 div(nu grad q); k has pairs up to 1.8 times their mean spacing
-  dx_ij, and nu_ij is the harmonic mean of nu. Walls have no pairs.
-
-  Collective.
-
-  Input Parameters:
-+ row      - factor of each row
-. nu       - viscosity of each particle, halo included; NULL: 1
-. diagonal - added to the diagonal; NULL: 0
-- given    - q is given where this is not 0, halo included: rows and columns of the identity; NULL:
-             nowhere
-
-  Output Parameter:
-. A - on own fluid particles
-
-  Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226, for the form
+  dx_ij, and nu_ij is the harmonic mean of nu. Walls have no pairs. Collective. Input: row - factor
+  of each row; nu - viscosity of each particle, halo included; NULL: 1; diagonal - added to the
+  diagonal; NULL: 0; given - q is given where this is not 0, halo included: rows and columns of the
+  identity; NULL: nowhere. Output: A - on own fluid particles. Reference: J. P. Morris, P. J. Fox,
+  Y. Zhu, J. Comput. Phys. 136 (1997) 214-226, for the form
 */
 PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
                              const PetscReal given[], Mat *A)
@@ -131,12 +121,9 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PairPoisson - Creates the pair-wise matrix of -dx_i^2 lap p for the pressure on particles
-
-  Collective. Rows of free surfaces are those of the identity. The diagonal has the sums of rows of
-  the operator, which are not 0 where walls have a pressure.
-*/
+/* PairPoisson - Creates the pair-wise matrix of -dx_i^2 lap p for the pressure on particles.
+   Collective. Rows of free surfaces are those of the identity. The diagonal has the sums of rows of
+   the operator, which are not 0 where walls have a pressure. */
 PetscErrorCode PairPoisson(const Flow *flow, Mat *A)
 {
   const FreeSurface *free = flow->ops->free;

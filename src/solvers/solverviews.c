@@ -6,18 +6,10 @@
 */
 #include "isph/solvers.h"
 
-/*
-  SolverViewTake - Creates the viewer of an option and removes the option from the database
-
-  Collective on PETSC_COMM_WORLD. Called before PETSc reads the options of the solver.
-
-  Input Parameters:
-+ prefix - prefix of the solver's options
-- name   - name of the option, such as "-ksp_view"
-
-  Output Parameter:
-. view - the viewer, which is NULL if the option is absent
-*/
+/* SolverViewTake - Creates the viewer of an option and removes the option from the database.
+   Collective on PETSC_COMM_WORLD. Called before PETSc reads the options of the solver. Input:
+   prefix - prefix of the solver's options; name - name of the option, such as "-ksp_view". Output:
+   view - the viewer, which is NULL if the option is absent. */
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view)
 {
   char      option[128];
@@ -67,11 +59,8 @@ static const char *const refused[] = {
     "-ksp_plot_eigenvalues",          "-ksp_converged_rate",
     "-ksp_view_eigenvalues_explicit", "-ksp_view_preconditioned_operator_explicit"};
 
-/*
-  KspViewsTake - Creates the viewers of a KSP's options, as SolverViewTake() does
-
-  Collective. Errors: refuses the views that no solve here would show
-*/
+/* KspViewsTake - Creates the viewers of a KSP's options, as SolverViewTake() does. Collective.
+   Errors: refuses the views that no solve here would show. */
 PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
 {
   PetscBool given;
@@ -95,13 +84,9 @@ PetscBool KspViewsHaveMatrix(const KspViews *views)
   return views->of[VIEW_MAT].viewer || views->of[VIEW_PMAT].viewer;
 }
 
-/*
-  KspViewsShow - Views a KSP and its last linear system if their options are given, and closes the
-  viewers
-
-  Collective. If the matrix is A + c c^T, with a term that fixes the constant of the pressure, only
-  A is viewed.
-*/
+/* KspViewsShow - Views a KSP and its last linear system if their options are given, and closes the
+   viewers. Collective. If the matrix is A + c c^T, with a term that fixes the constant of the
+   pressure, only A is viewed. */
 PetscErrorCode KspViewsShow(KSP ksp, KspViews *views)
 {
   PetscBool low_rank;

@@ -1,15 +1,11 @@
 /* Steps of a PETSc TS within the steps of the clock. */
 #include "isph/solvers.h"
 
-/*
-  TimeOptionsRefuse - Refuses options by which a TS would control time, -ts_theta_theta for types
-  other than theta, and -snes_type qn
-
-  Collective. The names of all releases of PETSc are refused: a name of another release would
-  otherwise be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse
-  -ts_theta_theta in the first step only. PETSc's quasi-Newton method (3.18) ends there with a
-  segmentation fault in MatSetType().
-*/
+/* TimeOptionsRefuse - Refuses options by which a TS would control time, -ts_theta_theta for types
+   other than theta, and -snes_type qn. Collective. The names of all releases of PETSc are refused:
+   a name of another release would otherwise be reported as misspelt. PETSc's beuler and cn are
+   theta methods that would refuse -ts_theta_theta in the first step only. PETSc's quasi-Newton
+   method (3.18) ends there with a segmentation fault in MatSetType(). */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
   const char *const refused[][2] = {
@@ -43,11 +39,8 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TimeToleranceRefuse - Refuses a tolerance of substeps for a TS that takes none
-
-  Collective. To be called after TSSetFromOptions().
-*/
+/* TimeToleranceRefuse - Refuses a tolerance of substeps for a TS that takes none. Collective. To be
+   called after TSSetFromOptions(). */
 PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[])
 {
   TSAdapt   adapt;
@@ -102,22 +95,12 @@ PetscErrorCode TimeCreate(const char prefix[], const char name[], const char typ
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  TimeStepThrough - Advances a TS from t over dt; TSSetSolution() has set its solution
-
-  Collective. The TS takes a single step, or several steps if a TSAdapt controls their lengths.
-
-  Input Parameters:
-+ name  - type of the TS, for messages
-- guard - guard of the linear solves of the TS; inactive without a KSP
-
-  Input/Output Parameter:
-. h - length of the first step; out: last length before it is shortened to end at t + dt [s]
-
-  Output Parameters:
-+ guard   - solve.iterations increases by the linear iterations of this call
-- failure - set if the TS diverges, or if no method reaches a small true residual
-*/
+/* TimeStepThrough - Advances a TS from t over dt; TSSetSolution() has set its solution. Collective.
+   The TS takes a single step, or several steps if a TSAdapt controls their lengths. Input: name -
+   type of the TS, for messages; guard - guard of the linear solves of the TS; inactive without a
+   KSP. Input/Output: h - length of the first step; out: last length before it is shortened to end
+   at t + dt [s]. Output: guard - solve.iterations increases by the linear iterations of this call;
+   failure - set if the TS diverges, or if no method reaches a small true residual. */
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
                                PetscReal *h, StepFailure *failure)
 {

@@ -333,11 +333,8 @@ static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplineBodiesCreate - Computes the fluid in the cells of a lattice with bodies
-
-  Not collective. Output: bodies - NULL for a scene without bodies.
-*/
+/* SplineBodiesCreate - Computes the fluid in the cells of a lattice with bodies. Not collective.
+   Output: bodies - NULL for a scene without bodies. */
 PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
                                   SplineBodies **bodies)
 {

@@ -392,12 +392,8 @@ static void ExtendRange(const SplineLattice *l, const SplineSlave *slave, Spline
   }
 }
 
-/*
-  SplineExtensionCreate - Lists the splines that have masters, beside bodies and beside sides that
-  give the pressure
-
-  Not collective. Output: extension - NULL if there are none.
-*/
+/* SplineExtensionCreate - Lists the splines that have masters, beside bodies and beside sides that
+   give the pressure. Not collective. Output: extension - NULL if there are none. */
 PetscErrorCode SplineExtensionCreate(const SplineLattice *l, const SplineBodies *bodies,
                                      SplineExtension **extension)
 {
@@ -475,12 +471,9 @@ static void SetRow(const Splines *s, PetscInt dim, const Particles *p, const Spl
   }
 }
 
-/*
-  SplineRowAt - Computes the splines that are not zero at a point, extended beside bodies
-
-  Not collective. Input: l - s->lattice or s->pressure. Output: row - their global numbers, values
-  [-] and gradients [1/m].
-*/
+/* SplineRowAt - Computes the splines that are not zero at a point, extended beside bodies. Not
+   collective. Input: l - s->lattice or s->pressure. Output: row - their global numbers, values [-]
+   and gradients [1/m]. */
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row)
 {

@@ -1,17 +1,10 @@
 /* The lattice of B-splines: its cells, and the values of the splines at a point. */
 #include "splines.h"
 
-/*
-  SplineLatticeSet - Sets the cells and quadratic splines of a lattice over the box
-
-  Not collective.
-
-  Input Parameter:
-. ratio - edge of a cell over the spacing of the particles [-]
-
-  Notes: along an axis, spline i has its centre at (i - 1/2) cells from the low side; those next to
-  a side extend beyond the box. In a periodic direction i + 1 replaces i, modulo the cells.
-*/
+/* SplineLatticeSet - Sets the cells and quadratic splines of a lattice over the box. Not
+   collective. Input: ratio - edge of a cell over the spacing of the particles [-]. Notes: along an
+   axis, spline i has its centre at (i - 1/2) cells from the low side; those next to a side extend
+   beyond the box. In a periodic direction i + 1 replaces i, modulo the cells. */
 PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice)
 {
   PetscFunctionBegin;
@@ -89,14 +82,11 @@ static PetscReal FirstKnot(const SplineLattice *lattice)
   return lattice->degree == 3 ? 0.5 : 0.0;
 }
 
-/*
-  SplineFirstAlong - Returns the first spline along an axis that is not zero at a distance from the
-  low side in edges of cells
-
-  Not collective. Indices continue beyond periodic sides. Beyond the last knots at a wall the
-  polynomials of the adjacent piece continue. Therefore as many cubic splines as quadratic ones
-  suffice: their coefficients outside are extrapolated cubically ("not-a-knot").
-*/
+/* SplineFirstAlong - Returns the first spline along an axis that is not zero at a distance from the
+   low side in edges of cells. Not collective. Indices continue beyond periodic sides. Beyond the
+   last knots at a wall the polynomials of the adjacent piece continue. Therefore as many cubic
+   splines as quadratic ones suffice: their coefficients outside are extrapolated cubically
+   ("not-a-knot"). */
 PetscInt SplineFirstAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance)
 {
   const PetscInt piece = (PetscInt)PetscFloorReal(distance - FirstKnot(lattice));

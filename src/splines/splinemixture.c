@@ -230,13 +230,10 @@ static PetscErrorCode SetInertia(Flow *flow, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesMix - Computes the inertia of particles, rho(x_i)/rho_0, and the forces of interfaces for
-  the present positions; divides the rows of viscous matrices by the inertia
-
-  Collective. Does nothing without a mixture, see SceneMixes(), or if positions are those of the
-  last call. Output: mixture.inertia [-]; state->interface, the force per unit mass less f [m/s^2].
-*/
+/* SplinesMix - Computes the inertia of particles, rho(x_i)/rho_0, and the forces of interfaces for
+   the present positions; divides the rows of viscous matrices by the inertia. Collective. Does
+   nothing without a mixture, see SceneMixes(), or if positions are those of the last call. Output:
+   mixture.inertia [-]; state->interface, the force per unit mass less f [m/s^2]. */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s)
 {
   const Scene     *scene   = flow->scene;

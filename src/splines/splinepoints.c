@@ -201,12 +201,9 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinePoint - Computes a point of quadrature of a cell: a point of Gauss, or a node of a cut cell
-
-  Not collective. Output: x [m]; node - as SplinePoints.side. Returns: the volume of the point over
-  that of a cell.
-*/
+/* SplinePoint - Computes a point of quadrature of a cell: a point of Gauss, or a node of a cut
+   cell. Not collective. Output: x [m]; node - as SplinePoints.side. Returns: the volume of the
+   point over that of a cell. */
 PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
                       PetscInt *node)
 {

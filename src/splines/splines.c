@@ -235,12 +235,9 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
-  does not depend on the particles
-
-  Collective. Does nothing unless the box of a rank has changed.
-*/
+/* SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
+   does not depend on the particles. Collective. Does nothing unless the box of a rank has changed.
+   */
 PetscErrorCode SplinesNumber(const Particles *p, Splines *s)
 {
   int         old = s->K ? 1 : 0;
@@ -274,12 +271,9 @@ PetscErrorCode SplinesNumber(const Particles *p, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesAssemble - Computes all that depends on the positions of particles, and numbers the splines
-  anew if the box of a rank has changed
-
-  Collective. Does nothing if positions and numbering have not changed since the last assembly.
-*/
+/* SplinesAssemble - Computes all that depends on the positions of particles, and numbers the
+   splines anew if the box of a rank has changed. Collective. Does nothing if positions and
+   numbering have not changed since the last assembly. */
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 {
   const Particles *p = flow->particles;

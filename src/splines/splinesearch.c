@@ -257,16 +257,12 @@ static ISPH_INLINE PetscReal SquaredRadius(PetscInt dim, PetscReal wanted, Petsc
   return k < n ? around->r2[around->found[k]] : high;
 }
 
-/*
-  SplineNearest - Finds the particles for the fit of component c at point i: the `wanted` nearest
-
-  Not collective. In a fit of all components, c = SPLINE_ALL, a wall particle has one equation of
-  dim and counts as such a part of a particle. The search begins with the reach given, or a usual
-  one. It reaches further, up to the reach of the halo, while it finds too few.
-
-  Output: around->found; n - their number; R - radius: the distance of the next, or the reach [m];
-  found - PETSC_FALSE if there are fewer within reach.
-*/
+/* SplineNearest - Finds the particles for the fit of component c at point i: the `wanted` nearest.
+   Not collective. In a fit of all components, c = SPLINE_ALL, a wall particle has one equation of
+   dim and counts as such a part of a particle. The search begins with the reach given, or a usual
+   one. It reaches further, up to the reach of the halo, while it finds too few. Output:
+   around->found; n - their number; R - radius: the distance of the next, or the reach [m]; found -
+   PETSC_FALSE if there are fewer within reach. */
 ISPH_WIDE PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
                                        SplineAround *around, PetscReal *reach, PetscInt *n,
                                        PetscReal *R, PetscBool *found)

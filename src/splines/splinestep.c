@@ -2,18 +2,13 @@
    particles. The matrix is in splinematrix.c. */
 #include "splines.h"
 
-/*
-  SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero
-
-  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles;
-  degree - of fits.
-
-  Note: the gradient of quadratic splines has an error of second order at particles, whose mean over
-  the particles is not zero. So the pressure is of second order, whatever the fits are; with cubic
-  splines it is of fourth order. Fits below degree 4 have larger errors than the splines. In cells
-  that a body cuts the divergence has linear velocities, so splines beside bodies stay quadratic.
-  See theory.md, (144).
-*/
+/* SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero. Collective
+   on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles; degree - of
+   fits. Note: the gradient of quadratic splines has an error of second order at particles, whose
+   mean over the particles is not zero. So the pressure is of second order, whatever the fits are;
+   with cubic splines it is of fourth order. Fits below degree 4 have larger errors than the
+   splines. In cells that a body cuts the divergence has linear velocities, so splines beside bodies
+   stay quadratic. See theory.md, (144). */
 PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, Splines *s)
 {
   PetscFunctionBegin;
@@ -32,11 +27,8 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesCreate - Creates the splines of a flow, with the initial pressure of the case
-
-  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles.
-*/
+/* SplinesCreate - Creates the splines of a flow, with the initial pressure of the case. Collective
+   on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles. */
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
 {
   PetscInt degree;
@@ -183,14 +175,10 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesGivePressure - Sets the numbers that sides give to those of the pressure at time t, less
-  the present ones for an increment
-
-  Not collective. The number of a spline is twice the pressure on the side at its centre along the
-  side, see splineextend.c. Input and output: v - the pressure, or the right-hand side of its
-  increment.
-*/
+/* SplinesGivePressure - Sets the numbers that sides give to those of the pressure at time t, less
+   the present ones for an increment. Not collective. The number of a spline is twice the pressure
+   on the side at its centre along the side, see splineextend.c. Input and output: v - the pressure,
+   or the right-hand side of its increment. */
 PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v)
 {
   const PetscScalar *now = NULL;

@@ -129,12 +129,8 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], const Pets
   }
 }
 
-/*
-  SplineSurfaceExtend - Computes the extension E of the splines, and lists the own splines that are
-  no unknowns
-
-  Collective
-*/
+/* SplineSurfaceExtend - Computes the extension E of the splines, and lists the own splines that are
+   no unknowns. Collective. */
 PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
 {
   const SplineLattice *l = &s->lattice;
@@ -389,12 +385,9 @@ static PetscReal BoxArea(const Scene *scene, PetscInt axis)
   return area;
 }
 
-/*
-  SplineSurfaceTension - Computes the force of the tension of the free surface, and adds its change
-  in a step to the viscous matrix
-
-  Collective. Output: state->interface - force per unit mass [m/s^2]; state->tension_energy.
-*/
+/* SplineSurfaceTension - Computes the force of the tension of the free surface, and adds its change
+   in a step to the viscous matrix. Collective. Output: state->interface - force per unit mass
+   [m/s^2]; state->tension_energy. */
 PetscErrorCode SplineSurfaceTension(Flow *flow)
 {
   const Scene       *scene  = flow->scene;

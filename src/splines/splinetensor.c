@@ -66,19 +66,9 @@ static ISPH_WIDE void Multiply(const Product *p)
   }
 }
 
-/*
-  SplineTensorAlong - Multiplies an axis of a block of splines by V^T, or by V
-
-  Not collective.
-
-  Input Parameters:
-+ n    - splines of the block along each axis, all of them along axis a
-. back - V, not V^T
-- from - a number for each spline, first axis fastest
-
-  Output Parameter:
-. to - the products
-*/
+/* SplineTensorAlong - Multiplies an axis of a block of splines by V^T, or by V. Not collective.
+   Input: n - splines of the block along each axis, all of them along axis a; back - V, not V^T;
+   from - a number for each spline, first axis fastest. Output: to - the products. */
 void SplineTensorAlong(const SplineTensor *t, const PetscInt n[], PetscInt a, PetscBool back,
                        const PetscReal from[], PetscReal to[])
 {

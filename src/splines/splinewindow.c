@@ -50,12 +50,9 @@ static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, Pe
   return n;
 }
 
-/*
-  SplineWindowSet - Sets the window of this rank for the present numbers of the splines
-
-  Collective. The window holds all splines that are not zero at particles that are less than the
-  skin beyond the box of the rank, and those at the points of quadrature in the box.
-*/
+/* SplineWindowSet - Sets the window of this rank for the present numbers of the splines.
+   Collective. The window holds all splines that are not zero at particles that are less than the
+   skin beyond the box of the rank, and those at the points of quadrature in the box. */
 PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
 {
   const SplineLattice *l = &s->pressure;

@@ -392,11 +392,8 @@ static PetscErrorCode AddBall(const Scene *scene, const Body *ball, Rows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BorderParticles - Adds this rank's share of the particles on free borders of pools without lattice
-
-  Collective on PETSC_COMM_WORLD
-*/
+/* BorderParticles - Adds this rank's share of the particles on free borders of pools without
+   lattice. Collective on PETSC_COMM_WORLD. */
 PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
 {
   Piece piece;

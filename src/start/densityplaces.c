@@ -228,15 +228,10 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PlacesCreate - Creates the first places of the particles of a region
-
-  Collective on PETSC_COMM_WORLD. Each rank creates the places in a contiguous part of the path.
-  Input: pools - the fluid at the start; NULL if it fills the region.
-
-  Output Parameter:
-. places - this rank's share; free with PlacesDestroy()
-*/
+/* PlacesCreate - Creates the first places of the particles of a region. Collective on
+   PETSC_COMM_WORLD. Each rank creates the places in a contiguous part of the path. Input: pools -
+   the fluid at the start; NULL if it fills the region. Output: places - this rank's share; free
+   with PlacesDestroy(). */
 PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pools *pools,
                             Places *places)
 {

@@ -160,20 +160,11 @@ static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Parti
     x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
 
   or, with -spacing_wall, at the places of SceneLatticePlace(); with isotropic grading at the places
-  of CloudRelax().
-
-  Collective
-
-  Input Parameters:
-+ scene - the scene
-. walls - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
-- start - given positions of the fluid; NULL: the fluid fills the lattice
-
-  Input/Output Parameter:
-. p - in: empty, of ParticlesCreate(); out: the particles in their first epoch, with a filled halo;
-      pressures are zero, velocities too unless start has velocities
-
-  Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
+  of CloudRelax(). Collective. Input: scene - the scene; walls - placement of wall particles for the
+  wall treatment; ignored without PHYSICS_WALLS; start - given positions of the fluid; NULL: the
+  fluid fills the lattice. Input/Output: p - in: empty, of ParticlesCreate(); out: the particles in
+  their first epoch, with a filled halo; pressures are zero, velocities too unless start has
+  velocities. Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
 */
 PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                              Particles *p)

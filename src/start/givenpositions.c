@@ -1,12 +1,9 @@
 /* Fluid that starts at given positions, and its volumes. */
 #include "start.h"
 
-/*
-  GivenFill - Creates fluid at given positions
-
-  Collective. Ids are consecutive in the order of ranks. The particles share the volume of regions
-  filled at the start. Input: p - with room for the fluid.
-*/
+/* GivenFill - Creates fluid at given positions. Collective. Ids are consecutive in the order of
+   ranks. The particles share the volume of regions filled at the start. Input: p - with room for
+   the fluid. */
 PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p)
 {
   PetscReal volume = 0.0;

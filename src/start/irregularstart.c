@@ -65,21 +65,12 @@ static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CloudFill - Creates the particles of a scene with isotropic grading, or of a scene whose fluid
-  does not fill the box, at their first places
-
-  Collective.
-
-  Input Parameters:
-+ walls - placement of wall particles; with layers they are behind the sides of the box, otherwise
-          on all surfaces
-- p     - empty particles, with all fields of this module registered
-
-  Output Parameters:
-+ p     - the particles; ids are given to ordered particles, then to places, then to walls
-- cloud - numbers of ordered and other particles, and volume of the fluid
-*/
+/* CloudFill - Creates the particles of a scene with isotropic grading, or of a scene whose fluid
+   does not fill the box, at their first places. Collective. Input: walls - placement of wall
+   particles; with layers they are behind the sides of the box, otherwise on all surfaces; p - empty
+   particles, with all fields of this module registered. Output: p - the particles; ids are given to
+   ordered particles, then to places, then to walls; cloud - numbers of ordered and other particles,
+   and volume of the fluid. */
 PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, Cloud *cloud)
 {
   Places   places   = {0};
@@ -140,12 +131,8 @@ static PetscErrorCode ShareVolume(const Scene *scene, const Cloud *cloud, Partic
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CloudFinish - Sets the sizes of particles at their last places; the volumes of the fluid add up to
-  its volume
-
-  Collective. Frees the pools of the cloud.
-*/
+/* CloudFinish - Sets the sizes of particles at their last places; the volumes of the fluid add up
+   to its volume. Collective. Frees the pools of the cloud. */
 PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p)
 {
   PetscFunctionBegin;

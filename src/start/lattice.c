@@ -351,22 +351,13 @@ PetscErrorCode LatticeWalls(const Scene *scene, WallPlacement walls, PetscInt fi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LatticeFill - Creates the particles at the start of a run
-
-  Collective. Each rank creates the particles of a contiguous range of lattice indices. They are
-  sent to their owners later, when the first epoch starts.
-
-  Input Parameters:
-+ scene - the scene
-. walls - placement of wall particles
-. start - given positions of the fluid; NULL: the fluid fills the lattice
-- p     - empty particles, with all fields of this module registered
-
-  Output Parameter:
-. p - the particles, with counts, next_id, and id, kind, x, dx, volume, normal, depth and side of
-      each. Ids are given to the fluid first, then to walls of the box, then to walls of bodies.
-*/
+/* LatticeFill - Creates the particles at the start of a run. Collective. Each rank creates the
+   particles of a contiguous range of lattice indices. They are sent to their owners later, when the
+   first epoch starts. Input: scene - the scene; walls - placement of wall particles; start - given
+   positions of the fluid; NULL: the fluid fills the lattice; p - empty particles, with all fields
+   of this module registered. Output: p - the particles, with counts, next_id, and id, kind, x, dx,
+   volume, normal, depth and side of each. Ids are given to the fluid first, then to walls of the
+   box, then to walls of bodies. */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)
 {

@@ -230,12 +230,9 @@ static PetscBool CellHolds(const Pools *pools, PetscInt pool, const PoolAxis axi
   return SceneDistance(scene, x, &body, normal) >= BODY_CLEAR * scene->dx;
 }
 
-/*
-  PoolLattice - Adds this rank's share of the particles of a pool that has a lattice
-
-  Collective on PETSC_COMM_WORLD. Particles are displaced by the jitter of the scene; those on free
-  borders stay on them.
-*/
+/* PoolLattice - Adds this rank's share of the particles of a pool that has a lattice. Collective on
+   PETSC_COMM_WORLD. Particles are displaced by the jitter of the scene; those on free borders stay
+   on them. */
 PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows)
 {
   const Scene   *scene = pools->scene;

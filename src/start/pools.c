@@ -219,13 +219,10 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PoolsCreate - Finds the pools of a scene and their volumes
-
-  Collective on PETSC_COMM_WORLD. Input: pools - its flag inside. Output: pools - none if the fluid
-  fills the box; free with PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and
-  borders without particles.
-*/
+/* PoolsCreate - Finds the pools of a scene and their volumes. Collective on PETSC_COMM_WORLD.
+   Input: pools - its flag inside. Output: pools - none if the fluid fills the box; free with
+   PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without particles.
+   */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
   PetscBool lattices = PETSC_FALSE;

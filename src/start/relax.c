@@ -139,12 +139,9 @@ static PetscErrorCode Step(const Scene *scene, const Cloud *cloud, Particles *p,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CloudRelax - Spreads the fluid evenly, with the wanted spacing
-
-  Collective. The particles are in an epoch; their owners and order change. Volumes do not change.
-  Velocities are used for v and are zero afterwards.
-*/
+/* CloudRelax - Spreads the fluid evenly, with the wanted spacing. Collective. The particles are in
+   an epoch; their owners and order change. Volumes do not change. Velocities are used for v and are
+   zero afterwards. */
 PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p)
 {
   const PetscReal coarsest = SceneCoarsest(scene), width = p->halo_width;

@@ -164,11 +164,8 @@ static PetscErrorCode AddBody(const Scene *scene, PetscInt side, Surfaces *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SurfacesCreate - Creates the wall particles on all sides of the box and on all bodies
-
-  Collective on PETSC_COMM_WORLD. Output: s - this rank's share; free with SurfacesDestroy().
-*/
+/* SurfacesCreate - Creates the wall particles on all sides of the box and on all bodies. Collective
+   on PETSC_COMM_WORLD. Output: s - this rank's share; free with SurfacesDestroy(). */
 PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *s)
 {
   PetscFunctionBegin;

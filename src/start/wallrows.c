@@ -90,14 +90,9 @@ static PetscErrorCode AddRows(const Scene *scene, const SurfacePoint *point, Row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  RowsCreate - Creates the particles of the rows above wall particles
-
-  Collective on PETSC_COMM_WORLD. Input: walls - in the order of sides.
-
-  Output Parameter:
-. rows - this rank's share; free with RowsDestroy()
-*/
+/* RowsCreate - Creates the particles of the rows above wall particles. Collective on
+   PETSC_COMM_WORLD. Input: walls - in the order of sides. Output: rows - this rank's share; free
+   with RowsDestroy(). */
 PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
 {
   PetscInt k = 0;

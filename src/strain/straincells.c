@@ -704,19 +704,10 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  StrainAssemble - Computes the cells and the gradients of the velocity in them for the present
-  positions
-
-  Collective if cells end at a free surface.
-
-  Input Parameters:
-+ edge     - of a cell [dx]
-. degree   - of fits
-- quantity - of the fits; a scalar also has the mean of each cell, and its border
-
-  Input/Output: cells - NULL at first.
-*/
+/* StrainAssemble - Computes the cells and the gradients of the velocity in them for the present
+   positions. Collective if cells end at a free surface. Input: edge - of a cell [dx]; degree - of
+   fits; quantity - of the fits; a scalar also has the mean of each cell, and its border.
+   Input/Output: cells - NULL at first. */
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                               PetscReal edge, PetscInt degree, const StrainQuantity *quantity,
                               StrainCells **cells)

@@ -150,13 +150,10 @@ static void AddSlope(PetscInt dim, PetscReal R, const PetscReal X[], PetscReal f
     slope[a] -= 20.0 * f * WholeWeight(dim, R) * PetscPowRealInt(1.0 - q, 3) * X[a] / (R * R);
 }
 
-/*
-  StrainSlopes - Computes the derivatives of the concentration at a place
-
-  Not collective. Input: cells - of edge 3 dx at least. Output: list, n - particles around; slope -
-  by the place of each, dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m].
-  Those of mirror images and of the parts behind walls are walls' too.
-*/
+/* StrainSlopes - Computes the derivatives of the concentration at a place. Not collective. Input:
+   cells - of edge 3 dx at least. Output: list, n - particles around; slope - by the place of each,
+   dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m]. Those of mirror
+   images and of the parts behind walls are walls' too. */
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
                             const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
                             PetscReal gradient[])

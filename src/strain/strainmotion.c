@@ -99,13 +99,9 @@ static void WayOf(const Scene *scene, const PetscReal x[], const PetscReal norma
     way[a] /= PetscMax(along, LEAST_ALONG * PetscSqrtReal(along) + PETSC_MACHINE_EPSILON);
 }
 
-/*
-  StrainMotion - Computes the velocities of the corners of the surface
-
-  Not collective. Input: points - of the rows of the surface. Output: cells->surface.motion. Mirror
-  images and parts of the level behind walls move with the walls: their part goes to the nearest
-  wall particle.
-*/
+/* StrainMotion - Computes the velocities of the corners of the surface. Not collective. Input:
+   points - of the rows of the surface. Output: cells->surface.motion. Mirror images and parts of
+   the level behind walls move with the walls: their part goes to the nearest wall particle. */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
                             StrainCells *cells)
 {

@@ -42,11 +42,8 @@ static void Join(const Scene *scene, const StrainCells *s, PetscInt all, PetscIn
   }
 }
 
-/*
-  StrainPieces - Computes the name of the piece of fluid of each cell, -1 without particles
-
-  Collective. Output: piece - by cell.
-*/
+/* StrainPieces - Computes the name of the piece of fluid of each cell, -1 without particles.
+   Collective. Output: piece - by cell. */
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const StrainCells *s,
                             PetscInt piece[])
 {

@@ -212,13 +212,10 @@ static PetscInt WetSlope(const Scene *scene, const PetscReal x[], const FacetSha
   return on;
 }
 
-/*
-  StrainTension - Adds the forces of the tension of the surface to those of own particles
-
-  Not collective. Input/Output: force - component a of particle i at [i dim + a], over sigma
-  [m^(dim-2)]. Output: area - of facets of this rank's
-  box, less cos(angle) times the area of wet walls [m^(dim-1)].
-*/
+/* StrainTension - Adds the forces of the tension of the surface to those of own particles. Not
+   collective. Input/Output: force - component a of particle i at [i dim + a], over sigma
+   [m^(dim-2)]. Output: area - of facets of this rank's box, less cos(angle) times the area of wet
+   walls [m^(dim-1)]. */
 PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const StrainCells *cells,
                              PetscReal force[], PetscReal *area)
 {

@@ -46,13 +46,9 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
   return PETSC_FALSE;
 }
 
-/*
-  FreeSurfaceFindNoses - Finds the contact lines, and sets smooth surface particles in noses of thin
-  fluid to SURFACE_ROUGH
-
-  Collective. Input: free - kinds of all particles, halo included.
-  Output: kinds of own particles, and which of them are at a contact line but in no nose.
-*/
+/* FreeSurfaceFindNoses - Finds the contact lines, and sets smooth surface particles in noses of
+   thin fluid to SURFACE_ROUGH. Collective. Input: free - kinds of all particles, halo included.
+   Output: kinds of own particles, and which of them are at a contact line but in no nose. */
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free)
 {

@@ -264,12 +264,9 @@ static PetscErrorCode FindOnAnyRank(const Particles *p, FreeSurface *free)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
-
-  Collective. Input: nb - neighbours at the present positions. Output: free - arrays by local index,
-  halo included; curvatures of own particles.
-*/
+/* FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures. Collective.
+   Input: nb - neighbours at the present positions. Output: free - arrays by local index, halo
+   included; curvatures of own particles. */
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Neighbors *nb,
                                const KernelSize *kernel, FreeSurface *free)
 {

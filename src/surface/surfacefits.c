@@ -199,14 +199,11 @@ static PetscReal MeanCurvature(const Scene *scene, const Particles *p, const Nei
   return weights > 0.0 ? sum / weights : 0.0;
 }
 
-/*
-  SurfaceAverageCurvature - Bounds the curvatures of the fits by 1/dx, and replaces them MEANS times
-  by their means over surface particles nearby, with the weights of the fit
-
-  Collective. A displacement y of a single particle, such as that of a particle that joins the
-  surface where it stretches, changes the curvature of its fit by 0.7 y/dx^2. The means take four
-  fifths of it. Rough particles take part: their curvature makes corners round.
-*/
+/* SurfaceAverageCurvature - Bounds the curvatures of the fits by 1/dx, and replaces them MEANS
+   times by their means over surface particles nearby, with the weights of the fit. Collective. A
+   displacement y of a single particle, such as that of a particle that joins the surface where it
+   stretches, changes the curvature of its fit by 0.7 y/dx^2. The means take four fifths of it.
+   Rough particles take part: their curvature makes corners round. */
 PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
                                        const KernelSize *kernel, FreeSurface *free)
 {

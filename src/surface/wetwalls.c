@@ -26,15 +26,11 @@ static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
   return BoundaryIs(scene, (PetscInt)p->side[w], BOUNDARY_OUTFLOW) || IsInflow(scene, p, w);
 }
 
-/*
-  FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own
-  fluid particle i
-
-  Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
-  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
-  Fluid touches all wall particles of openings. Isolated particles do not count if `free` is given;
-  NULL: they do.
-*/
+/* FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own
+   fluid particle i. Not collective. Fluid does not see a wall across a gap: there it has no
+   friction, and the wall does not cover it. Only neighbours of i are searched, so that the answer
+   needs no other rank. Fluid touches all wall particles of openings. Isolated particles do not
+   count if `free` is given; NULL: they do. */
 PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neighbors *nb,
                              const FreeSurface *free, PetscInt i, PetscInt wall)
 {
@@ -78,12 +74,9 @@ static ISPH_WIDE PetscBool IsNear(const Particles *p, PetscInt w, PetscReal most
              : PETSC_FALSE;
 }
 
-/*
-  FreeSurfaceListTouched - Lists the neighbours of own fluid particle i without wall particles that
-  no fluid touches, as FreeSurfaceTouches() finds it; returns their number
-
-  Not collective. Input: x - room for the places of the neighbours. Output: list - the neighbours.
-*/
+/* FreeSurfaceListTouched - Lists the neighbours of own fluid particle i without wall particles that
+   no fluid touches, as FreeSurfaceTouches() finds it; returns their number. Not collective. Input:
+   x - room for the places of the neighbours. Output: list - the neighbours. */
 PetscInt FreeSurfaceListTouched(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 PetscInt i, PetscReal *const x[], PetscInt list[])
 {
@@ -164,13 +157,9 @@ static PetscBool IsNoSlipWall(const Scene *scene, const Particles *p, PetscInt j
                                : PETSC_FALSE;
 }
 
-/*
-  FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is nearer
-  than a distance
-
-  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance
-  [m]; the radius of the support if that is less.
-*/
+/* FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is
+   nearer than a distance. Not collective. Input: scene - only walls without slip count; NULL: all
+   do. most - the distance [m]; the radius of the support if that is less. */
 PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 PetscInt i, PetscReal most)
 {

@@ -73,10 +73,8 @@ PetscReal ClockShortening(const Clock *clock)
   land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal steps end exactly
   at the next report time, at the next snapshot, or at t_end. In a run of a single step dt_wanted is
   dt. With -time_order 3 the first CLOCK_SHORT steps are short and grow, because the error of the
-  very first one is of order dt^2; -dt_adapt error has a start of its own.
-
-  Input Parameter:
-. limit - the longest step that the scheme allows
+  very first one is of order dt^2; -dt_adapt error has a start of its own. Input: limit - the
+  longest step that the scheme allows.
 */
 PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 {
@@ -120,13 +118,10 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockRestart - Prepares the clock after its numbers were read from a checkpoint
-
-  Finds the first report at or after the present time, because -report_times may differ from the
-  earlier run. A checkpoint is written before the report of its time, so that this run makes it. The
-  bound of an error control that this run has not ends.
-*/
+/* ClockRestart - Prepares the clock after its numbers were read from a checkpoint. Finds the first
+   report at or after the present time, because -report_times may differ from the earlier run. A
+   checkpoint is written before the report of its time, so that this run makes it. The bound of an
+   error control that this run has not ends. */
 PetscErrorCode ClockRestart(Clock *c)
 {
   PetscInt k = 0;
@@ -159,19 +154,13 @@ PetscErrorCode ClockAdvance(Clock *clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockRetry - Shortens the following steps after a failed step
-
-  Collective. To be called when the step has been undone. A step whose error was too large is
-  repeated with the length that the failure gives. After other failures the limit of dt is halved
-  until it is shorter than the failed step, for which another bound may have been shorter.
-
-  Output Parameter:
-. failure - made fatal, with advice, if steps cannot be halved any more
-
-  Notes: each failure doubles good_needed, the number of good steps before dt doubles again, so that
-  long steps are tried ever more rarely in a flow that needs short steps
-*/
+/* ClockRetry - Shortens the following steps after a failed step. Collective. To be called when the
+   step has been undone. A step whose error was too large is repeated with the length that the
+   failure gives. After other failures the limit of dt is halved until it is shorter than the failed
+   step, for which another bound may have been shorter. Output: failure - made fatal, with advice,
+   if steps cannot be halved any more. Notes: each failure doubles good_needed, the number of good
+   steps before dt doubles again, so that long steps are tried ever more rarely in a flow that needs
+   short steps. */
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 {
   size_t length;
@@ -200,13 +189,10 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockRatio - Returns w = dt/dt_previous for extrapolation in time
-
-  Returns 0, which means first order, in three cases: with -time_order 1, in the first step, and if
-  w exceeds 1 + sqrt(2). For such w BDF2 is unstable, and the change in a very short step to a
-  report time after an impulsive start would be extrapolated to a much longer step.
-*/
+/* ClockRatio - Returns w = dt/dt_previous for extrapolation in time. Returns 0, which means first
+   order, in three cases: with -time_order 1, in the first step, and if w exceeds 1 + sqrt(2). For
+   such w BDF2 is unstable, and the change in a very short step to a report time after an impulsive
+   start would be extrapolated to a much longer step. */
 PetscReal ClockRatio(const Clock *clock)
 {
   const PetscReal w =

@@ -47,13 +47,10 @@ void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
   PastWeights(clock, n, clock->dt, clock->dt * (clock->dt + clock->dt_previous), weight);
 }
 
-/*
-  HistoryPath - Computes the weights of earlier velocities in the displacement of a step over dt
-
-  The formula of Adams and Bashforth: the mean of HistoryAhead() over the step, blended with u^n
-  after a jump (velocityjump.c). Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See
-  theory.md, (105) and (319).
-*/
+/* HistoryPath - Computes the weights of earlier velocities in the displacement of a step over dt.
+   The formula of Adams and Bashforth: the mean of HistoryAhead() over the step, blended with u^n
+   after a jump (velocityjump.c). Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See theory.md,
+   (105) and (319). */
 void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 {
   const PetscReal dt = clock->dt;

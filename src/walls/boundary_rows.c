@@ -128,13 +128,9 @@ static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g
 
     (I - sum_w g_w X_t^T) grad f = sum_fluid g_k (f_k - f_i) + sum_w g_w (X.n) n.grad f
 
-  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n
-
-  Input/Output Parameter:
-. g - gradient weights g_k; out: multiplied by the inverse of the matrix on the left, or unchanged
-      if SmallSolve() returns PETSC_FALSE
-
-  Properties: the new weights are exact for linear fields if g is.
+  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n. Input/Output: g - gradient weights g_k; out:
+  multiplied by the inverse of the matrix on the left, or unchanged if SmallSolve() returns
+  PETSC_FALSE. Properties: the new weights are exact for linear fields if g is.
 */
 static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
 {
@@ -157,9 +153,8 @@ static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
 
     w_k += (sum_w w_w X_t).g_k,   g_k: gradient weights from DummyRow_Gradient()
 
-  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n
-
-  Properties: the new weights are exact for linear fields if w and g are; not symmetric.
+  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n. Properties: the new weights are exact for
+  linear fields if w and g are; not symmetric.
 */
 static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscReal w[])
 {
@@ -175,14 +170,10 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
   }
 }
 
-/*
-  AddRows_Pressure - Adds a particle's rows of -dx^2 lap p and grad p, with a given wall pressure
-  gradient
-
-  Notes: the Laplacian omits the tangential part of p_w - p_i for dummies in two cases. If its form
-  is declared symmetric, this keeps the matrix symmetric for CG. If the gradient form is not exact
-  for linear fields, it cannot give the tangential part.
-*/
+/* AddRows_Pressure - Adds a particle's rows of -dx^2 lap p and grad p, with a given wall pressure
+   gradient. Notes: the Laplacian omits the tangential part of p_w - p_i for dummies in two cases.
+   If its form is declared symmetric, this keeps the matrix symmetric for CG. If the gradient form
+   is not exact for linear fields, it cannot give the tangential part. */
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
 {
   const PetscBool follow = !LaplacianIs(&ops->forms.ppe, FORM_SYMMETRIC) &&
@@ -283,13 +274,9 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
     T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
 
   Only the divergence tr U is required. It is sum_ab lambda_ab (right-hand side)_ab, if lambda
-  solves lambda (I - T) = delta.
-
-  Input/Output Parameter:
-. g - gradient weights; out: g[a][k] = sum_b lambda_ab g_k,b multiplies (u_k - u_i)_a; unchanged
-      if I - T has no inverse
-
-  Properties: exact for linear velocities if g is exact for linear fields and beta is not capped.
+  solves lambda (I - T) = delta. Input/Output: g - gradient weights; out: g[a][k] = sum_b lambda_ab
+  g_k,b multiplies (u_k - u_i)_a; unchanged if I - T has no inverse. Properties: exact for linear
+  velocities if g is exact for linear fields and beta is not capped.
 */
 static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
 {
@@ -326,14 +313,11 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
   }
 }
 
-/*
-  AddRows_Divergence - Adds a particle's rows of the divergence
-
-  If wall neighbours have equations in fits and the gradient form has a DivergenceFit, the rows come
-  from this fit of the velocity vector, otherwise from the weights of the gradient. Below a free
-  surface fits have their own degree. Boundaries have the equations of FIT_DIVERGENCE in fluids with
-  a free surface only: theory.md, section 5.
-*/
+/* AddRows_Divergence - Adds a particle's rows of the divergence. If wall neighbours have equations
+   in fits and the gradient form has a DivergenceFit, the rows come from this fit of the velocity
+   vector, otherwise from the weights of the gradient. Below a free surface fits have their own
+   degree. Boundaries have the equations of FIT_DIVERGENCE in fluids with a free surface only:
+   theory.md, section 5. */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
 {

@@ -74,14 +74,9 @@ void WallPointShares(const Operators *ops, Stencil *st)
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v: wall neighbours of the same side
 
   beta_v is the factor of the extrapolation, and share_w the weight of u_wall,w in the fit for
-  u_wall,i. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
-  particles on the surface, b = w.
-
-  Input Parameters:
-+ width - number of weights of each neighbour
-- w     - weights of u_k - u_i, neighbour by neighbour
-
-  Returns: b for wall neighbours (other entries are undefined), valid until the next call
+  u_wall,i. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts particles on the surface,
+  b = w. Input: width - number of weights of each neighbour; w - weights of u_k - u_i, neighbour by
+  neighbour. Returns: b for wall neighbours (other entries are undefined), valid until the next call
 */
 const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
                              const PetscReal w[])

@@ -15,12 +15,9 @@ PetscErrorCode WallValuesFree(WallValues *walls)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WallValuesRenumber - Creates the vectors for the present numbering of wall particles
-
-  Collective on the particles' communicator. Does nothing within an epoch or without walls; new
-  vectors are zero.
-*/
+/* WallValuesRenumber - Creates the vectors for the present numbering of wall particles. Collective
+   on the particles' communicator. Does nothing within an epoch or without walls; new vectors are
+   zero. */
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallValues *walls)
 {
   PetscFunctionBegin;
@@ -42,16 +39,10 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
   u_wall is evaluated at the wall point of the particle; the particle stores it too. The second term
   is for the predicted velocity: the projection will change its normal component by
   -projection_factor n.grad phi, and n.grad phi of the pressure increment phi is p_step. See
-  theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a
-  component whose equation is n.grad u_c is zero.
-
-  Input Parameter:
-. projection_factor - time step of the projection over density; 0 gives the wall velocity itself
-                      [m^3 s/kg]
-
-  Output Parameters:
-+ walls     - u, and speed_bound, which never decreases
-- particles - velocities of wall particles
+  theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a component
+  whose equation is n.grad u_c is zero. Input: projection_factor - time step of the projection over
+  density; 0 gives the wall velocity itself [m^3 s/kg]. Output: walls - u, and speed_bound, which
+  never decreases; particles - velocities of wall particles.
 */
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *p, PetscReal t,
                                      PetscReal projection_factor, WallValues *walls)
@@ -97,16 +88,9 @@ static PetscReal FullPressure(const Scene *scene, const Particles *p, PetscInt w
   return SceneWallPressure(scene, (PetscInt)p->side[i], t, x, normal);
 }
 
-/*
-  WallValuesSetPressure - Sets the pressure data of the own wall particles at time t
-
-  Input Parameter:
-. share - of the full data, less the level of the scene for values; the pressure of a flow that
-          starts from the level has no gradient yet [-]
-
-  Output Parameter:
-. walls - p; p_step is zero
-*/
+/* WallValuesSetPressure - Sets the pressure data of the own wall particles at time t. Input: share
+   - of the full data, less the level of the scene for values; the pressure of a flow that starts
+   from the level has no gradient yet [-]. Output: walls - p; p_step is zero. */
 PetscErrorCode WallValuesSetPressure(const Scene *scene, const Particles *p, PetscReal t,
                                      PetscReal share, WallValues *walls)
 {

@@ -17,8 +17,7 @@ static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal 
 
     u_w = u_i + beta (u_wall - u_i),   beta = 1 + d_w/d_i, at most 10   (uniform wall velocity)
 
-  Input: d_i distance of the fluid particle from the surface, d_w depth of the dummy behind it [m]
-
+  Input: d_i distance of the fluid particle from the surface, d_w depth of the dummy behind it [m].
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), where beta is at most 1.5
 */
 static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, PetscReal depth)

@@ -247,18 +247,14 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleReplaceGradient - Replaces columns of G by reactions: those of all equations of mass if
-  s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
-  no surface tension; replaces rows of G off walls before if s->natural is set
-
-  Collective. Input: momentum - T_i/T of momentum rows.
-
-  Notes: with the columns of all equations of mass replaced the sum of V_i grad p_i is zero, as D is
-  zero for constant velocities, and so is that of V_i x_i x grad p_i if D is exact for linear ones.
-  Without viscosity, force and C the kinetic energy is constant. Single replaced columns give a
-  uniform pressure a force, so that a drop which surface tension holds would not be at rest.
-*/
+/* SaddleReplaceGradient - Replaces columns of G by reactions: those of all equations of mass if
+   s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
+   no surface tension; replaces rows of G off walls before if s->natural is set. Collective. Input:
+   momentum - T_i/T of momentum rows. Notes: with the columns of all equations of mass replaced the
+   sum of V_i grad p_i is zero, as D is zero for constant velocities, and so is that of V_i x_i x
+   grad p_i if D is exact for linear ones. Without viscosity, force and C the kinetic energy is
+   constant. Single replaced columns give a uniform pressure a force, so that a drop which surface
+   tension holds would not be at rest. */
 PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *s)
 {
   PetscInt replaced;

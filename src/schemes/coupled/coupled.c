@@ -79,11 +79,8 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CoupledCreate - Reads the options of the coupled scheme
-
-  Collective on PETSC_COMM_WORLD. For options of the solver see CoupledSolverCreate().
-*/
+/* CoupledCreate - Reads the options of the coupled scheme. Collective on PETSC_COMM_WORLD. For
+   options of the solver see CoupledSolverCreate(). */
 static PetscErrorCode CoupledCreate(Flow *flow)
 {
   const Scene             *scene   = flow->scene;

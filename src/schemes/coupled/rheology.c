@@ -36,12 +36,9 @@ static PetscErrorCode Jacobian_Mult(Mat J, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CoupledJacobian - Creates the tangent J of the system for a rheology, and the right-hand side of
-  the next iteration from b
-
-  Collective. Input: c->x - unknowns of the last iteration. Without a tangent J is A.
-*/
+/* CoupledJacobian - Creates the tangent J of the system for a rheology, and the right-hand side of
+   the next iteration from b. Collective. Input: c->x - unknowns of the last iteration. Without a
+   tangent J is A. */
 PetscErrorCode CoupledJacobian(Coupled *c, Vec b, Mat *J, Vec *rhs)
 {
   PetscInt n;

@@ -25,15 +25,12 @@
 */
 #include "saddle.h"
 
-/*
-  SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:
-  1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]; nu: viscosity [m^2/s]
-
-  Not collective. The factor 1/4 gives the block C equal weight against inertia and viscosity. Of
-  the factors 1, 1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error
-  of moving vortices at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a
-  power of two, so that steps that differ by rounding share their matrices.
-*/
+/* SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:
+   1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]; nu: viscosity [m^2/s]. Not collective. The
+   factor 1/4 gives the block C equal weight against inertia and viscosity. Of the factors 1, 1/3,
+   1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error of moving vortices
+   at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a power of two, so
+   that steps that differ by rounding share their matrices. */
 PetscReal SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx)
 {
   const PetscReal diffusion = nu / PetscSqr(dx);
@@ -253,13 +250,9 @@ static PetscErrorCode CreateMomentum(const Flow *flow, const Vec advecting[], Sa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleAssemble - Assembles all blocks from the present operators, but for the shift of F; see
-  SaddleSetShift()
-
-  Collective. Input: advecting - velocity of implicit convection [m/s]; NULL: no implicit
-  convection.
-*/
+/* SaddleAssemble - Assembles all blocks from the present operators, but for the shift of F; see
+   SaddleSetShift(). Collective. Input: advecting - velocity of implicit convection [m/s]; NULL: no
+   implicit convection. */
 PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], Saddle *s)
 {
   const Scene     *scene = flow->scene;
@@ -325,13 +318,10 @@ PetscErrorCode SaddleFree(Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleFlatten - Converts the blocks to a single sparse matrix, for preconditioners without blocks
-
-  Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise an undetermined constant of
-  the pressure would make the matrix singular. On entry flat is NULL, or a matrix of the same blocks
-  that is reused. A matrix without blocks is not copied.
-*/
+/* SaddleFlatten - Converts the blocks to a single sparse matrix, for preconditioners without
+   blocks. Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise an undetermined
+   constant of the pressure would make the matrix singular. On entry flat is NULL, or a matrix of
+   the same blocks that is reused. A matrix without blocks is not copied. */
 PetscErrorCode SaddleFlatten(Mat P, Mat *flat)
 {
   const PetscInt *index;
@@ -425,12 +415,9 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleAdd - Adds scale T_i/T part to the rows of velocity component c, or for c = dim adds scale
-  dx_i/dx part to the rows of mass
-
-  Not collective. Input: scale - factor for a particle of the reference spacing.
-*/
+/* SaddleAdd - Adds scale T_i/T part to the rows of velocity component c, or for c = dim adds scale
+   dx_i/dx part to the rows of mass. Not collective. Input: scale - factor for a particle of the
+   reference spacing. */
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;

@@ -72,12 +72,8 @@ static PetscErrorCode MeansOnSplines(const Particles *p, const Saddle *s, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleOnSplines - Creates the blocks G, D and C of a pressure on splines and its units; on entry
-  the units are those of the particles
-
-  Collective. Input: momentum - T_i/T of momentum rows.
-*/
+/* SaddleOnSplines - Creates the blocks G, D and C of a pressure on splines and its units; on entry
+   the units are those of the particles. Collective. Input: momentum - T_i/T of momentum rows. */
 PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
 {
   const Splines  *sp             = flow->scheme->splines;

@@ -105,11 +105,8 @@ PetscErrorCode SaddleCreateProduct(Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SaddleMultiplyOut - Creates the blocks of A, [F + G Z, G; D + C Z, C], for direct solvers
-
-  Collective. Output: product - P itself without Z and with blocks of type MATAIJ.
-*/
+/* SaddleMultiplyOut - Creates the blocks of A, [F + G Z, G; D + C Z, C], for direct solvers.
+   Collective. Output: product - P itself without Z and with blocks of type MATAIJ. */
 PetscErrorCode SaddleMultiplyOut(Mat P, Mat *product)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)P);

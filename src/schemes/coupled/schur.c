@@ -205,14 +205,10 @@ static PetscErrorCode SetUpPoisson(const Flow *flow, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SchurAssemble - Creates the matrices of the approximation for new operators
-
-  Collective. Input: anew - the solver of the Poisson equation is set up anew.
-
-  Notes: PETSc gets the identity, the limit of long steps, so that preconditioners other than shell
-  (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
-*/
+/* SchurAssemble - Creates the matrices of the approximation for new operators. Collective. Input:
+   anew - the solver of the Poisson equation is set up anew. Notes: PETSc gets the identity, the
+   limit of long steps, so that preconditioners other than shell
+   (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix. */
 PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool anew, Schur *s)
 {
   PetscFunctionBegin;

@@ -69,14 +69,13 @@ static PetscErrorCode DirectDefault(const Flow *flow)
 }
 
 /*
-  CoupledSolverCreate - Creates the solver of the coupled scheme and adds its solve to the scheme
-
+  CoupledSolverCreate - Creates the solver of the coupled scheme and adds its solve to the scheme.
   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
 
   Options Database Keys:
-+ -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_... - PETSc's options
-. -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
-- -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of the Poisson equation in schur.c
+  + -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_... - PETSc's options
+  . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
+  - -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of the Poisson equation in schur.c
 */
 PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
 {
@@ -201,17 +200,11 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and step
-
-  Collective. Does nothing if operators and SaddleTime() are unchanged and no convection is
-  implicit.
-
-  Input Parameters:
-+ shift     - shift of the first solve: the factor of u in du/dt [1/s]
-- advecting - advecting velocity of implicit convection [m/s], which must exist as long as the
-              matrices; NULL: no implicit convection
-*/
+/* CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and
+   step. Collective. Does nothing if operators and SaddleTime() are unchanged and no convection is
+   implicit. Input: shift - shift of the first solve: the factor of u in du/dt [1/s]; advecting -
+   advecting velocity of implicit convection [m/s], which must exist as long as the matrices; NULL:
+   no implicit convection. */
 PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
 {
   const Scene    *scene = c->flow->scene;

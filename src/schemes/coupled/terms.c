@@ -1,12 +1,8 @@
 /* Terms of the coupled equations, and their right-hand side. */
 #include "coupled.h"
 
-/*
-  CoupledForce - Sets the force per unit mass: the body force at c->end and, for fixed particles in
-  time, minus the convective term extrapolated in time
-
-  Collective.
-*/
+/* CoupledForce - Sets the force per unit mass: the body force at c->end and, for fixed particles in
+   time, minus the convective term extrapolated in time. Collective. */
 PetscErrorCode CoupledForce(Coupled *c)
 {
   Flow *flow = c->flow;
@@ -124,10 +120,8 @@ static PetscErrorCode AddSplines(Coupled *c, PetscReal t)
     T_i (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
     dx_i (source - terms of wall velocities in div u)                  in rows of mass
 
-  and subtracts the terms of given pressures.
-
-  Collective. T_i and dx_i scale the rows of particle i, see saddle.c; v is the advecting velocity
-  of implicit convection.
+  and subtracts the terms of given pressures. Collective. T_i and dx_i scale the rows of particle i,
+  see saddle.c; v is the advecting velocity of implicit convection.
 */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {

@@ -55,13 +55,10 @@ static PetscErrorCode Shorten(SNESLineSearch search, Vec u, Vec du, Vec next, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  IterationChoose - Sets defaults of the nonlinear solver, which options may change
-
-  Collective. Steps are full: their stresses keep the iteration from going round in circles, see
-  TangentFollow(). A line search by the residual would shorten them, because the residual of a rigid
-  part hides that of the others.
-*/
+/* IterationChoose - Sets defaults of the nonlinear solver, which options may change. Collective.
+   Steps are full: their stresses keep the iteration from going round in circles, see
+   TangentFollow(). A line search by the residual would shorten them, because the residual of a
+   rigid part hides that of the others. */
 PetscErrorCode IterationChoose(Viscosity *v, SNES snes)
 {
   SNESLineSearch search;

@@ -163,13 +163,9 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
-  viscosities or the advecting velocity may be new
-
-  Collective. J is P, or a product without entries. The viscosities of a rheology are those of u
-  already, see ViscosityLinearise().
-*/
+/* ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
+   viscosities or the advecting velocity may be new. Collective. J is P, or a product without
+   entries. The viscosities of a rheology are those of u already, see ViscosityLinearise(). */
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx)
 {

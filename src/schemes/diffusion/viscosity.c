@@ -124,15 +124,11 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
-
-  Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
-  Surfaces have a pressure of the velocity unless the viscosity varies.
-
-  Input: with_surface - the pressure of free surfaces is part of the viscous term, if it depends on
-  the velocity; for schemes whose other forces leave this pressure out.
-*/
+/* ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme.
+   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
+   Surfaces have a pressure of the velocity unless the viscosity varies. Input: with_surface - the
+   pressure of free surfaces is part of the viscous term, if it depends on the velocity; for schemes
+   whose other forces leave this pressure out. */
 PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc)
 {
   Viscosity   *v;
@@ -294,17 +290,10 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
     du/dt = nu lap u - (v.grad) u + force
 
   Collective. Sets scheme->failure if a TS diverges, or if no method reaches a small true residual.
-
-  Input Parameters:
-+ dt                - length of the viscous step; shorter than the clock's step if it starts from
-                      two earlier velocities [s]
-. projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
-. force             - force per unit mass, constant over the step [m/s^2]
-- advecting         - advecting velocity v; NULL if particles move or the force contains convection
-                      [m/s]
-
-  Input/Output Parameter:
-. u - velocity components [m/s]
+  Input: dt - length of the viscous step; shorter than the clock's step if it starts from two
+  earlier velocities [s]; projection_factor - see WallValuesSetVelocity() [m^3 s/kg]; force - force
+  per unit mass, constant over the step [m/s^2]; advecting - advecting velocity v; NULL if particles
+  move or the force contains convection [m/s]. Input/Output: u - velocity components [m/s].
 */
 PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *v)

@@ -52,14 +52,10 @@ static PetscErrorCode IsDriven(const Flow *flow, PetscBool *driven)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ProjectionStart - Solves for the pressure at the start of a run, if none is given and a body force
-  or boundaries drive the flow
-
-  Collective. Chorin's projection has no pressure in its predictor, and needs none. Output: the
-  pressure, its full wall data, and the largest body force that it does not balance. Errors: the run
-  ends if the solve fails.
-*/
+/* ProjectionStart - Solves for the pressure at the start of a run, if none is given and a body
+   force or boundaries drive the flow. Collective. Chorin's projection has no pressure in its
+   predictor, and needs none. Output: the pressure, its full wall data, and the largest body force
+   that it does not balance. Errors: the run ends if the solve fails. */
 PetscErrorCode ProjectionStart(Flow *flow)
 {
   Projection     *pr  = (Projection *)flow->scheme->data;

@@ -85,12 +85,8 @@ PetscErrorCode FreePressureFollow(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FreePressureIncrement - Sets b of the pressure equation on free surfaces: the increment of their
-  pressure
-
-  Collective. Their rows of the equation are phi_i = b_i.
-*/
+/* FreePressureIncrement - Sets b of the pressure equation on free surfaces: the increment of their
+   pressure. Collective. Their rows of the equation are phi_i = b_i. */
 PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
 {
   PetscScalar *increment;

@@ -379,17 +379,10 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PressureSolve - Solves A phi = b, A = -dx_i^2 lap, for the pressure increment phi
-
-  Collective. Sets scheme->failure if no method reaches a small true residual.
-
-  Input Parameter:
-. b - right-hand side, which contains the wall data n.grad phi; destroyed [Pa]
-
-  Output Parameter:
-. phi - pressure increment, with mean zero if its constant is undetermined [Pa]
-*/
+/* PressureSolve - Solves A phi = b, A = -dx_i^2 lap, for the pressure increment phi. Collective.
+   Sets scheme->failure if no method reaches a small true residual. Input: b - right-hand side,
+   which contains the wall data n.grad phi; destroyed [Pa]. Output: phi - pressure increment, with
+   mean zero if its constant is undetermined [Pa]. */
 PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
 {
   LinearSolve *solve = &s->guard.solve;
@@ -417,12 +410,9 @@ PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PressureRefine - Solves A phi = b to rounding, by solves for the residual
-
-  Collective. For the first pressure of a run, which has no earlier pressure that a tolerance could
-  be relative to. Sets scheme->failure as PressureSolve() does.
-*/
+/* PressureRefine - Solves A phi = b to rounding, by solves for the residual. Collective. For the
+   first pressure of a run, which has no earlier pressure that a tolerance could be relative to.
+   Sets scheme->failure as PressureSolve() does. */
 PetscErrorCode PressureRefine(Flow *flow, const Vec b, Vec phi, Pressure *s)
 {
   Vec r, part;

@@ -104,19 +104,11 @@ static void Note(const Flow *flow, BalanceKind kind, PetscReal value)
   BalanceSet(kind, value, value, flow->clock->t + flow->clock->dt, sheet);
 }
 
-/*
-  ScalarBalanceStep - Measures the balances of a scalar after a step
-
-  Collective.
-
-  Input Parameters:
-+ weight - of the last two values in the start of the step, see ScalarSolve()
-. dt     - length of the step from this start [s]
-- made   - by sources at the end of the step, per time [m^dim/s]
-
-  Note: other integrators than that with a history add in stages, so that the amount is that of the
-  step only to its order; they have no balance. Nor have flows that particles enter or leave.
-*/
+/* ScalarBalanceStep - Measures the balances of a scalar after a step. Collective. Input: weight -
+   of the last two values in the start of the step, see ScalarSolve(); dt - length of the step from
+   this start [s]; made - by sources at the end of the step, per time [m^dim/s]. Note: other
+   integrators than that with a history add in stages, so that the amount is that of the step only
+   to its order; they have no balance. Nor have flows that particles enter or leave. */
 PetscErrorCode ScalarBalanceStep(Flow *flow, const PetscReal weight[2], PetscReal dt,
                                  PetscReal made, Scalar *s)
 {

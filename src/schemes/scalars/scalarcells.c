@@ -204,13 +204,10 @@ static PetscReal ValueAt(const Particles *p, const Scalar *s, PetscInt q, PetscR
   return value;
 }
 
-/*
-  ScalarRates - Computes the rates of the cells and boundaries for values of own fluid: those of own
-  fluid, and for own points of walls what they take from it
-
-  Collective. Input: share - 1, or 0: of the rates that are linear in c only. Output: s->rate
-  [m^dim/s times the unit of the scalar].
-*/
+/* ScalarRates - Computes the rates of the cells and boundaries for values of own fluid: those of
+   own fluid, and for own points of walls what they take from it. Collective. Input: share - 1, or
+   0: of the rates that are linear in c only. Output: s->rate [m^dim/s times the unit of the
+   scalar]. */
 PetscErrorCode ScalarRates(const Flow *flow, const PetscReal c[], PetscReal share, Scalar *s)
 {
   const Particles  *p    = flow->particles;
@@ -350,13 +347,10 @@ PetscErrorCode ScalarAssemble(Flow *flow, Scalar *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarEntering - Computes what enters through each boundary per time, for the values of the end of
-  the step: entering [m^dim/s times the unit of the scalar]
-
-  Collective. From boundaries that give the value it is the reaction: minus the rate of their
-  points. It is consistent: the sum over boundaries and sources is the gain of the fluid.
-*/
+/* ScalarEntering - Computes what enters through each boundary per time, for the values of the end
+   of the step: entering [m^dim/s times the unit of the scalar]. Collective. From boundaries that
+   give the value it is the reaction: minus the rate of their points. It is consistent: the sum over
+   boundaries and sources is the gain of the fluid. */
 PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s)
 {
   const Particles *p = flow->particles;

@@ -66,11 +66,8 @@ static PetscErrorCode Refuse(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarsCreate - Creates the scalars of the scene, before operators exist
-
-  Collective. Output: flow->state->scalars, NULL without scalars; scheme->needs.
-*/
+/* ScalarsCreate - Creates the scalars of the scene, before operators exist. Collective. Output:
+   flow->state->scalars, NULL without scalars; scheme->needs. */
 PetscErrorCode ScalarsCreate(Flow *flow)
 {
   const Scene *scene = flow->scene;

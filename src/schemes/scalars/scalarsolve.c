@@ -340,12 +340,9 @@ static PetscErrorCode Runaway(Flow *flow, Scalar *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ScalarSolve - Advances a scalar over the step of the clock
-
-  Collective. Sets scheme->failure if the TS diverges, or if no method reaches a small residual.
-  Output: c and before, entering of the end of the step.
-*/
+/* ScalarSolve - Advances a scalar over the step of the clock. Collective. Sets scheme->failure if
+   the TS diverges, or if no method reaches a small residual. Output: c and before, entering of the
+   end of the step. */
 PetscErrorCode ScalarSolve(Flow *flow, Scalar *s)
 {
   const Particles *p  = flow->particles;

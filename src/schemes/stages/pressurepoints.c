@@ -106,13 +106,9 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PressureOnSplinesCreate - Reads the options of a pressure on splines, and gives the scheme the
-  answers of splines
-
-  Collective. Output: spacing - edge of a cell of the splines, for SplinesCreate() [dx]. Errors:
-  refuses boxes that are too narrow.
-*/
+/* PressureOnSplinesCreate - Reads the options of a pressure on splines, and gives the scheme the
+   answers of splines. Collective. Output: spacing - edge of a cell of the splines, for
+   SplinesCreate() [dx]. Errors: refuses boxes that are too narrow. */
 PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
 {
   PetscBool given = PETSC_TRUE;

@@ -43,12 +43,9 @@ static PetscErrorCode Rebuild(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowBegin - Prepares the flow for the next step at the start of a run, after a restart, or after
-  an undone step
-
-  Collective. Computes from the particles' fields all other data that a finished step leaves.
-*/
+/* FlowBegin - Prepares the flow for the next step at the start of a run, after a restart, or after
+   an undone step. Collective. Computes from the particles' fields all other data that a finished
+   step leaves. */
 PetscErrorCode FlowBegin(Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -203,12 +200,9 @@ static PetscErrorCode ListObservers(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SchemeArrange - Chooses the stages and observers of the steps of a run; the stages are stages of
-  -log_view too
-
-  Collective. To be called when all parts of the run exist, before its first step.
-*/
+/* SchemeArrange - Chooses the stages and observers of the steps of a run; the stages are stages of
+   -log_view too. Collective. To be called when all parts of the run exist, before its first step.
+   */
 PetscErrorCode SchemeArrange(Flow *flow)
 {
   Scheme   *s = flow->scheme;

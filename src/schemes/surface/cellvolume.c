@@ -208,18 +208,9 @@ static PetscReal CellVolume(const Flow *flow, PetscInt points, PetscInt i, Rival
   return sum * grid.volume;
 }
 
-/*
-  FlowCellVolumes - Computes the volumes of the cells of own particles
-
-  Not collective.
-
-  Input Parameters:
-+ flow   - with neighbours and kinds at the places of the particles
-- points - of the grid along dx
-
-  Output Parameter:
-. volume - of the cells [m^dim]
-*/
+/* FlowCellVolumes - Computes the volumes of the cells of own particles. Not collective. Input: flow
+   - with neighbours and kinds at the places of the particles; points - of the grid along dx.
+   Output: volume - of the cells [m^dim]. */
 PetscErrorCode FlowCellVolumes(const Flow *flow, PetscInt points, PetscReal volume[])
 {
   const Particles *p    = flow->particles;

@@ -213,13 +213,10 @@ static PetscReal DivergenceSource(const Flow *flow, const Values *v, PetscInt j)
   return source;
 }
 
-/*
-  VolumesControl - Sets the divergence that takes the excess of volume back, state->source
-
-  Collective. Input: neighbours and kinds at the present positions. The work of the pressure on it
-  enters the balance of energy. A fluid that fills its box has no control: the sources of
-  fluctuating cells would drive a flow through its openings.
-*/
+/* VolumesControl - Sets the divergence that takes the excess of volume back, state->source.
+   Collective. Input: neighbours and kinds at the present positions. The work of the pressure on it
+   enters the balance of energy. A fluid that fills its box has no control: the sources of
+   fluctuating cells would drive a flow through its openings. */
 PetscErrorCode VolumesControl(Flow *flow)
 {
   const Particles *p    = flow->particles;

@@ -56,10 +56,9 @@ static PetscErrorCode LookAround(const Wcsph *w, PetscInt i, PetscReal height, P
     rho_w = rho_0 + S_w(t) - S_w(0),   S_w = sum_j m_j W_wj over the fluid
 
   This is the integral of drho/dt = sum_j m_j (u_w - u_j).grad W_wj, because the particles of the
-  wall stay at rest to each other. Output: rho - by local index.
-
-  References: A. Crespo, M. Gomez-Gesteira, R. Dalrymple, CMC 5 (2007) 173-184; M. Basa, N. Quinlan,
-  M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.2 and Eqs (10), (11)
+  wall stay at rest to each other. Output: rho - by local index. References: A. Crespo, M.
+  Gomez-Gesteira, R. Dalrymple, CMC 5 (2007) 173-184; M. Basa, N. Quinlan, M. Lastiwka, Int. J.
+  Numer. Meth. Fluids 60 (2009), section 6.2 and Eqs (10), (11)
 */
 PetscErrorCode WallDensities(const Wcsph *w, PetscReal rho[])
 {
@@ -82,12 +81,9 @@ PetscErrorCode WallDensities(const Wcsph *w, PetscReal rho[])
 
   d is the distance from the wall. The sums are those around the dummy of the first layer before w,
   half a spacing behind the wall. Normally to the wall, and without fluid near it, u_w = u_wall.
-
-  Collective. Input and output: w->local.u, with the halo.
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.2:
-  "tangential velocities extrapolated normally to the wall, using information gathered by the wall
-  particles closest to the fluid"
+  Collective. Input and output: w->local.u, with the halo. Reference: M. Basa, N. Quinlan, M.
+  Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.2: "tangential velocities extrapolated
+  normally to the wall, using information gathered by the wall particles closest to the fluid"
 */
 PetscErrorCode WallVelocities(Wcsph *w)
 {

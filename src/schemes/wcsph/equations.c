@@ -4,12 +4,9 @@
 */
 #include "wcsph.h"
 
-/*
-  Pressure_Tait - Computes the pressure of a stiff liquid, p = rho_0 c0^2/gamma ((rho/rho_0)^gamma -
-  1) [Pa]
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (13)
-*/
+/* Pressure_Tait - Computes the pressure of a stiff liquid, p = rho_0 c0^2/gamma ((rho/rho_0)^gamma
+   - 1) [Pa]. Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009),
+   Eq. (13). */
 static PetscReal Pressure_Tait(const Wcsph *w, PetscReal rho, PetscReal e)
 {
   const PetscReal rho_0 = w->flow->scene->rho, gamma = w->equation->exponent;
@@ -24,11 +21,8 @@ static PetscReal Density_Tait(const Wcsph *w, PetscReal p)
   return rho_0 * PetscPowReal(1.0 + gamma * p / (rho_0 * PetscSqr(w->c0)), 1.0 / gamma);
 }
 
-/*
-  Pressure_Linear - Computes p = c0^2 (rho - rho_0) [Pa]
-
-  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eq. (8)
-*/
+/* Pressure_Linear - Computes p = c0^2 (rho - rho_0) [Pa]. Reference: J. Fang, A. Parriaux, M.
+   Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eq. (8). */
 static PetscReal Pressure_Linear(const Wcsph *w, PetscReal rho, PetscReal e)
 {
   return PetscSqr(w->c0) * (rho - w->flow->scene->rho);
@@ -39,12 +33,9 @@ static PetscReal Density_Linear(const Wcsph *w, PetscReal p)
   return w->flow->scene->rho + p / PetscSqr(w->c0);
 }
 
-/*
-  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest, rho_0 c0^2/gamma
-  [Pa]
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (12)
-*/
+/* Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest, rho_0 c0^2/gamma
+   [Pa]. Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq.
+   (12). */
 static PetscReal Pressure_IdealGas(const Wcsph *w, PetscReal rho, PetscReal e)
 {
   return (w->equation->exponent - 1.0) * rho * e - w->p_rest;

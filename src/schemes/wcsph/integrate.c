@@ -174,13 +174,9 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WcsphIntegrate - Advances positions, velocities, densities and energies by the clock's dt, and
-  measures the largest body force
-
-  Collective. Output: positions, velocities, densities and energies of the particles. Sets
-  scheme->failure if the step fails.
-*/
+/* WcsphIntegrate - Advances positions, velocities, densities and energies by the clock's dt, and
+   measures the largest body force. Collective. Output: positions, velocities, densities and
+   energies of the particles. Sets scheme->failure if the step fails. */
 PetscErrorCode WcsphIntegrate(Flow *flow)
 {
   const Clock *clock = flow->clock;

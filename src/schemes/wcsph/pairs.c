@@ -96,19 +96,13 @@ static PetscReal BeyondMirror(const Stencil *st, const Pairs *pairs)
 }
 
 /*
-  PairsSum - Computes the sums of continuity and momentum in one pass over the neighbours
-
+  PairsSum - Computes the sums of continuity and momentum in one pass over the neighbours.
   divergence: div u = sum_k du_k.c_k. A dummy counts with the velocity of a mirror image, twice
   u_wall - u_i, where that of its wall treatment is larger: an extrapolation by the factor beta
   would raise the frequency of sound beside walls by beta^(1/2), and particles close to a wall would
-  need shorter steps.
-
-  diffusion: sum_k 2 V_k (rho_k - rho_i) (-W'/r), the Laplacian of the density; dummies have the
-  density of the particle.
-
-  laplacian: sum_k 2 X_k.c_k/r^2 du_k, see LaplacianFollowsSlopes().
-
-  pressure: the acceleration
+  need shorter steps. diffusion: sum_k 2 V_k (rho_k - rho_i) (-W'/r), the Laplacian of the density;
+  dummies have the density of the particle. laplacian: sum_k 2 X_k.c_k/r^2 du_k, see
+  LaplacianFollowsSlopes(). pressure: the acceleration
 
     by_sums false:  -1/rho_i sum_k (p_k + p_i) c_k
     by_sums true:   -sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) c_k
@@ -136,9 +130,8 @@ ISPH_WIDE void PairsSum(const Stencil *st, const Pairs *pairs, const PairTerms *
 
     de/dt = -1/2 sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) du_k.c_k
 
-  Input: rho, p - of the particle; pressures are absolute
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (14)
+  Input: rho, p - of the particle; pressures are absolute. Reference: M. Basa, N. Quinlan, M.
+  Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (14)
 */
 PetscReal PairsEnergy(const Stencil *st, const Pairs *pairs, PetscReal rho, PetscReal p)
 {
@@ -160,10 +153,9 @@ PetscReal PairsEnergy(const Stencil *st, const Pairs *pairs, PetscReal rho, Pets
     sum_k rho_k (alpha c0 m - beta m^2)/rho_ik c_k,   m = h du.X/(r^2 + 0.01 h^2) < 0,
     rho_ik = (rho_i + rho_k)/2
 
-  Input: artificial - alpha and beta [-]; rho - of the particle
-
-  Reference: J. J. Monaghan, J. Comput. Phys. 110 (1994); J. Fang, A. Parriaux, M. Rentschler, C.
-  Ancey, Appl. Numer. Math. 59 (2009) 251-271, Eqs (97) to (103)
+  Input: artificial - alpha and beta [-]; rho - of the particle. Reference: J. J. Monaghan, J.
+  Comput. Phys. 110 (1994); J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59
+  (2009) 251-271, Eqs (97) to (103)
 */
 void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal artificial[],
                          PetscReal c0, PetscReal rho, PetscReal acceleration[])
@@ -181,14 +173,10 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
   }
 }
 
-/*
-  HydrostaticRise - Computes the part of PairsSum.diffusion that belongs to a hydrostatic slope of
-  the density, sum_k 2 V_k slope.X_k (-W'/r) over the fluid [kg/m^5]
-
-  Dummies have the density of the particle, so they have no part in it.
-
-  Reference: G. Fourtakas et al., Computers & Fluids 190 (2019) 346-361
-*/
+/* HydrostaticRise - Computes the part of PairsSum.diffusion that belongs to a hydrostatic slope of
+   the density, sum_k 2 V_k slope.X_k (-W'/r) over the fluid [kg/m^5]. Dummies have the density of
+   the particle, so they have no part in it. Reference: G. Fourtakas et al., Computers & Fluids 190
+   (2019) 346-361. */
 PetscReal HydrostaticRise(const Stencil *st, const PetscReal slope[])
 {
   PetscReal sum = 0.0;
@@ -247,16 +235,13 @@ static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const Pet
 }
 
 /*
-  WcsphSetPairs - Sets volume, density, pressure and velocity difference of the neighbours
-
-  A dummy behind a wall has the density of the particle, its pressure continued by the body force f,
-  and the velocity of the wall treatment:
+  WcsphSetPairs - Sets volume, density, pressure and velocity difference of the neighbours. A dummy
+  behind a wall has the density of the particle, its pressure continued by the body force f, and the
+  velocity of the wall treatment:
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
 
-  A dummy of a dynamic wall has its own values, as fluid has.
-
-  Input: force - f of ContinuingForce()
+  A dummy of a dynamic wall has its own values, as fluid has. Input: force - f of ContinuingForce()
 */
 ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
 {

@@ -84,12 +84,10 @@ static void Pack(const Particles *p, PetscReal rho_0, LocalFlow *l)
   }
 }
 
-/*
-  WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
-
-  Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
-  Output: local.rho, local.p and local.e with the halo. Walls are at rest, unless they are dynamic.
-*/
+/* WcsphSetDensity - Computes densities and pressures of all local particles at the present
+   positions. Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and
+   local.e. Output: local.rho, local.p and local.e with the halo. Walls are at rest, unless they are
+   dynamic. */
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 {
   const Particles *p = flow->particles;

@@ -113,9 +113,8 @@ static PetscErrorCode MeanVelocity(const Flow *flow, PetscReal mean[])
 
     x += s,   u += s.grad u,   rho += s.grad rho,   e += s.grad e,   s of the chosen ShiftRow
 
-  Collective. In a periodic box without forces the mean velocity
-  stays. w->start moves too, because no force works along s. Positions in the halo are out of date
-  afterwards.
+  Collective. In a periodic box without forces the mean velocity stays. w->start moves too, because
+  no force works along s. Positions in the halo are out of date afterwards.
 */
 PetscErrorCode WcsphShift(Flow *flow)
 {
