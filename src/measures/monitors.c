@@ -16,7 +16,8 @@ static const OptionRow options[] = {
                "velocity and pressure along lines: both ends and the number of points of each line",
                "m", NULL, .where = "flows"),
     [FLUX]   = OPTION(REALS, "-probe_flux",
-                      "flux through sections: both ends of each section; in 3D a corner and the two "
+                      "flux through sections: both ends of each section; in 3D a corner and "
+                        "the two "
                         "corners beside it",
                       "m", NULL, .where = "flows"),
     [FORCES] = OPTION(SWITCH, "-probe_forces", "forces and torques of the fluid on each wall", NULL,

@@ -39,9 +39,11 @@ static const OptionRow options[] = {
         NULL, REGIME, .expert = PETSC_TRUE, .table = &CorrectionTable),
     [VISC_LAPLACIAN] = OPTION(NAME, "-visc_laplacian", "form of the viscous term", NULL, REGIME,
                               .table = &LaplacianTable, .where = "runs with viscosity"),
-    [CLEARY_XI]      = OPTION(
-             REAL, "-cleary_xi", "factor xi of the form cleary; published are 4.96333 and 4.24", "-",
-             "dimension + 2", .expert = PETSC_TRUE, POSITIVE, .where = "-visc_laplacian cleary"),
+    [CLEARY_XI]      = OPTION(REAL, "-cleary_xi",
+                              "factor xi of the form cleary; published are 4.96333 and "
+                                   "4.24",
+                              "-", "dimension + 2", .expert = PETSC_TRUE, POSITIVE,
+                              .where = "-visc_laplacian cleary"),
     [PPE_LAPLACIAN] =
         OPTION(NAME, "-ppe_laplacian", "form of the Laplacian in the pressure Poisson equation",
                NULL, "mls", .table = &LaplacianTable,

@@ -6,7 +6,8 @@
 enum { NAME, START, DIFFUSIVITY, SOURCE, EXACT, VALUE, FLUX, EXCHANGE };
 static const OptionRow options[] = {
     [NAME]        = OPTION(WORD, "-scene_scalar_<k>_name",
-                           "name of scalar 1, 2, ... that the fluid carries, such as T: expressions, "
+                           "name of scalar 1, 2, ... that the fluid carries, such as T: "
+                                  "expressions, "
                                   "files and the report have it",
                            NULL, NULL, .where = "-case scene"),
     [START]       = OPTION(EXPRESSION, "-scene_scalar_<k>_start",
@@ -32,7 +33,8 @@ static const OptionRow options[] = {
                "walls stands for all boundaries",
                NULL, "no boundary gives one", .where = "-case scene, scalars that have a name"),
     [FLUX]     = OPTION(WORD, "-scene_scalar_<k>_flux",
-                        "flux through boundaries into the fluid, D n.grad c, n out of the fluid, of x, "
+                        "flux through boundaries into the fluid, D n.grad c, n out of the "
+                            "fluid, of x, "
                             "y[, z], t, as \"bottom: 0.1\"",
                         "m/s", "0", .where = "-case scene, scalars that have a name"),
     [EXCHANGE] = OPTION(WORD, "-scene_scalar_<k>_exchange",

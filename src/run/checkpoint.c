@@ -8,7 +8,8 @@
 enum { CHECKPOINT, CHECKPOINT_EVERY, RESTART };
 static const OptionRow options[] = {
     [CHECKPOINT]       = OPTION(FILE, "-checkpoint",
-                                "file to restart from, written at the end and on SIGTERM and SIGINT",
+                                "file to restart from, written at the end and on SIGTERM and "
+                                      "SIGINT",
                                 NULL, NULL, .file = FILE_WRITTEN, .where = "flows"),
     [CHECKPOINT_EVERY] = OPTION(REAL, "-checkpoint_every",
                                 "checkpoints after the first step at or past each multiple of this "

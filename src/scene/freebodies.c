@@ -24,14 +24,17 @@ static const OptionRow options[] = {
                          "force on a free body besides those of the fluid and of -body_force, of t",
                          "N; N/m", "0", .where = "-case scene, free bodies"),
     [TORQUE]    = OPTION(EXPRESSION, "-scene_body_<k>_torque",
-                         "torque on a free body about its centre, of t; in 3D about x, y, z", "N m; N",
-                         "0", .where = "-case scene, free bodies"),
+                         "torque on a free body about its centre, of t; in 3D about x, y, "
+                            "z",
+                         "N m; N", "0", .where = "-case scene, free bodies"),
     [SPRING]    = OPTION(REALS, "-scene_body_<k>_spring",
-                         "stiffness kx,ky[,kz] of a spring that pulls the centre of a free body back "
+                         "stiffness kx,ky[,kz] of a spring that pulls the centre of a free "
+                            "body back "
                             "to its place at the start",
                          "N/m; Pa", "0", .where = "-case scene, free bodies"),
     [HOLD]      = OPTION(NAMES, "-scene_body_<k>_hold",
-                         "components of the motion of a free body that no force changes: they follow "
+                         "components of the motion of a free body that no force changes: they "
+                              "follow "
                               "-scene_body_<k>_velocity and _rotation",
                          NULL, NULL, .words = components, .where = "-case scene, free bodies"),
     [FROM_FILE] = OPTION(FILE, "-scene_body_<k>_motion",

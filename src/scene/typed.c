@@ -27,7 +27,8 @@ static const OptionRow options[] = {
                "0; of an inflow that of -scene_exact; of an outflow none", .places = BoxSides,
                .where = "-case scene, sides that are walls, inflows or outflows"),
     [FREE]       = OPTION(NAMES, "-scene_free",
-                          "sides of the box that are free surfaces at the start; the box goes on for its "
+                          "sides of the box that are free surfaces at the start; the box goes "
+                                "on for its "
                                 "own length beyond them, and is empty there",
                           NULL, NULL, .words = BoxSides, .where = "-case scene"),
     [WALL_ANGLE] = OPTION(

@@ -41,11 +41,11 @@ static const OptionRow options[] = {
                .where = "-scheme projection with -motion eulerian, viscosity and convection"),
     [PROJECTION] = OPTION(NAME, "-projection", "update of the pressure", NULL, "rotational",
                           .table = &ProjectionTable, .where = "-scheme projection with pressure"),
-    [ALPHA]      = OPTION(
-             REAL, "-ppe_alpha",
-             "share of the density error in the pressure source; at most 0.4 unless -projection chorin",
-             "-", "0", .expert = PETSC_TRUE, .low = 0.0, .high = 0.9,
-             .where = "-scheme projection with -pressure_points same"),
+    [ALPHA]      = OPTION(REAL, "-ppe_alpha",
+                          "share of the density error in the pressure source; at most 0.4 unless "
+                               "-projection chorin",
+                          "-", "0", .expert = PETSC_TRUE, .low = 0.0, .high = 0.9,
+                          .where = "-scheme projection with -pressure_points same"),
     [FILTER] =
         OPTION(REAL, "-ppe_filter", "strength of the grid-scale filter of the pressure; 0: off",
                "-", REGIME, .expert = PETSC_TRUE, .low = 0.0, .high = 2.0,

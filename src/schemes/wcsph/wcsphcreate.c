@@ -4,14 +4,16 @@
 enum { EQUATION, SOUND, DENSITY, REDUCTION, DIFFUSION, ARTIFICIAL, COURANT };
 static const OptionRow options[] = {
     [EQUATION]   = OPTION(NAME, "-equation_of_state",
-                          "pressure as a function of density, and of energy for a gas", NULL, "tait",
-                          .table = &EquationOfStateTable, .where = "-scheme wcsph"),
+                          "pressure as a function of density, and of energy for a "
+                            "gas",
+                          NULL, "tait", .table = &EquationOfStateTable, .where = "-scheme wcsph"),
     [SOUND]      = OPTION(REAL, "-sound_speed", "speed of sound at rest", "m/s",
                           "10 times the largest of U, (nu U/L)^(1/2) and (|f| L)^(1/2)", POSITIVE,
                           .where = "-scheme wcsph"),
     [DENSITY]    = OPTION(NAME, "-density_form",
-                          "equation of the density, and the pressure force that belongs to it", NULL,
-                          "continuity", .table = &DensityFormTable, .where = "-scheme wcsph"),
+                          "equation of the density, and the pressure force that belongs to "
+                             "it",
+                          NULL, "continuity", .table = &DensityFormTable, .where = "-scheme wcsph"),
     [REDUCTION]  = OPTION(NAME, "-pressure_reduction",
                           "pressure that is subtracted before its gradient is computed", NULL,
                           "none", .table = &PressureReductionTable, .where = "-scheme wcsph"),
