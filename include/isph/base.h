@@ -14,9 +14,14 @@
   ISPH_WIDE compiles a function twice: for all x86-64 processors, and for those with vectors of four
   numbers. The loader takes the version that fits. Both have the same operations, without fused
   multiply-add, so results are equal to the last bit. ISPH_INLINE marks the functions that have to
-  become part of both versions.
+  become part of both versions; under the sanitizers, which take ten times as long to compile them,
+  there is one version.
 */
+#ifdef __SANITIZE_ADDRESS__
+#define ISPH_INLINE inline
+#else
 #define ISPH_INLINE inline __attribute__((always_inline))
+#endif
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) &&       \
     !defined(__AVX2__) && !defined(__SANITIZE_ADDRESS__)
 #define ISPH_WIDE __attribute__((target_clones("avx2", "default")))

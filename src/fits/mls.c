@@ -107,12 +107,11 @@ static ISPH_INLINE PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
   return PETSC_TRUE;
 }
 
+/* Fits of a degree. All but the usual one share a copy of the code: each takes seconds to compile. */
 static ISPH_WIDE PetscBool FitOfDegree(Stencil *st, PetscInt degree)
 {
-  if (degree == 1) return st->dim == 2 ? Fit(st, 2, 1) : Fit(st, 3, 1);
-  if (st->dim == 2)
-    return degree == 2 ? Fit(st, 2, 2) : degree == 3 ? Fit(st, 2, 3) : Fit(st, 2, 4);
-  return degree == 2 ? Fit(st, 3, 2) : degree == 3 ? Fit(st, 3, 3) : Fit(st, 3, 4);
+  if (degree != 2) return st->dim == 2 ? Fit(st, 2, degree) : Fit(st, 3, degree);
+  return st->dim == 2 ? Fit(st, 2, 2) : Fit(st, 3, 2);
 }
 
 /* Computes the rows of a fit, unless they are valid. If the neighbours do not determine a degree,
