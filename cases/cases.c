@@ -1,7 +1,5 @@
-/*
-  The table of cases, in the order of -catalogue. A new case needs a file with its row at the end, a
-  name here, and an .opts file.
-*/
+/* The table of cases, in the order of -catalogue. A new case needs a file with its row at the end,
+   a name here, and an .opts file. */
 #include "cases.h"
 #include "isph/cases.h"
 

@@ -1,8 +1,6 @@
-/*
-  Lid-driven cavity: a square or cube of side L whose lid y = L moves along x with speed U. Profiles
-  of the velocity on centrelines are compared with converged reference data; Ghia's tables
-  (cases/reference) are for plots only.
-*/
+/* Lid-driven cavity: a square or cube of side L whose lid y = L moves along x with speed U.
+   Profiles of the velocity on centrelines are compared with converged reference data; Ghia's tables
+   (cases/reference) are for plots only. */
 #include "cases.h"
 
 PetscErrorCode CavitySetup(Scene *scene)
@@ -19,11 +17,9 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
   if (side == 3) u[0] = scene->speed;
 }
 
-/*
-  References: extrema on the centrelines, divided by U; the time interval in which they are valid
-  (in L/U, below Re = 10 in L^2/nu); and the files of profiles. The finite-volume data were
-  extrapolated from two or three meshes (see the headers of the files).
-*/
+/* References: extrema on the centrelines, divided by U; the time interval in which they are valid
+   (in L/U, below Re = 10 in L^2/nu); and the files of profiles. The finite-volume data were
+   extrapolated from two or three meshes (see the headers of the files). */
 typedef struct {
   PetscInt    dim;
   PetscReal   reynolds_low, reynolds_high, from, to;
@@ -86,10 +82,8 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
   return NULL;
 }
 
-/*
-  Reports extrema and profiles of the velocity on the centrelines, in units of U: u on the line
-  x = L/2 and v on the line y = L/2, with all other coordinates in the middle.
-*/
+/* Reports extrema and profiles of the velocity on the centrelines, in units of U: u on the line x =
+   L/2 and v on the line y = L/2, with all other coordinates in the middle. */
 static PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
 {
   const CavityReference *r = FindReference(flow->scene, flow->clock);

@@ -1,7 +1,5 @@
-/*
-  Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma &
-  Shao (2018), section 5.2. The reference is a body-fitted finite-volume solution.
-*/
+/* Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma &
+   Shao (2018), section 5.2. The reference is a body-fitted finite-volume solution. */
 #include "cases.h"
 
 static PetscErrorCode CavityCylinderSetup(Scene *scene)
@@ -13,11 +11,9 @@ static PetscErrorCode CavityCylinderSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports extrema and profiles of the velocity on the centrelines outside the cylinder. At Re = 1000
-  the reference is a finite-volume solution at t = 40 L/U from rest, extrapolated from meshes of
-  2,176, 8,704 and 34,816 cells.
-*/
+/* Reports extrema and profiles of the velocity on the centrelines outside the cylinder. At Re =
+   1000 the reference is a finite-volume solution at t = 40 L/U from rest, extrapolated from meshes
+   of 2,176, 8,704 and 34,816 cells. */
 static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene    = flow->scene;

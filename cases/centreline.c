@@ -1,7 +1,5 @@
-/*
-  Quantities of cavity flows: extrema and profiles of the velocity on the centrelines, and the
-  kinetic energy as a function of time from rest.
-*/
+/* Quantities of cavity flows: extrema and profiles of the velocity on the centrelines, and the
+   kinetic energy as a function of time from rest. */
 #include "cases.h"
 
 #define LINE_POINTS 401
@@ -58,12 +56,9 @@ static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CentrelineExtrema - Reports u_min on the vertical centreline, v_max and v_min on the horizontal
-  centreline [m/s]
-
-  Collective. Input: reference of each value over U, NaN without a reference [-].
-*/
+/* CentrelineExtrema - Reports u_min on the vertical centreline, v_max and v_min on the horizontal
+   centreline [m/s]. Collective. Input: reference of each value over U, NaN without a reference
+   [-]. */
 PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
                                  PetscReal v_min, Report *report)
 {
@@ -80,13 +75,9 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CentrelineProfile - Reports the root mean square difference between the profile of a velocity
-  component, divided by U, and a reference profile
-
-  Collective. Input: a - axis of the line; c - component; file - file of the reference profile. The
-  quantity is NaN if the file is absent.
-*/
+/* CentrelineProfile - Reports the root mean square difference between the profile of a velocity
+   component, divided by U, and a reference profile. Collective. Input: a - axis of the line; c -
+   component; file - file of the reference profile. The quantity is NaN if the file is absent. */
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report)
 {
@@ -105,13 +96,10 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ReferenceEnergy - Interpolates the reference kinetic energy at the present time from a file [J/m]
-
-  Collective. The result is NaN if file is NULL or absent, if the run is in 3D or has other physics
-  than the case, and for times beyond the file, such as that of -steady. Input/Output: report - see
-  ReferenceDataRead().
-*/
+/* ReferenceEnergy - Interpolates the reference kinetic energy at the present time from a file
+   [J/m]. Collective. The result is NaN if file is NULL or absent, if the run is in 3D or has other
+   physics than the case, and for times beyond the file, such as that of -steady. Input/Output:
+   report - see ReferenceDataRead(). */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,
                                PetscReal *energy)
 {

@@ -1,7 +1,5 @@
-/*
-  Box and quantities of plane channel flows. The walls are at y = 0 and y = L; the box is periodic
-  along x with a length of 8 dx.
-*/
+/* Box and quantities of plane channel flows. The walls are at y = 0 and y = L; the box is periodic
+   along x with a length of 8 dx. */
 #include "cases.h"
 
 /* ChannelSetup - Sets the box of a plane channel */

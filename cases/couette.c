@@ -1,7 +1,5 @@
-/*
-  Start-up of plane Couette flow from rest: the wall at y = L moves along x with U. By default the
-  only physics is viscosity. The exact solution is a series for an impulsive start.
-*/
+/* Start-up of plane Couette flow from rest: the wall at y = L moves along x with U. By default the
+   only physics is viscosity. The exact solution is a series for an impulsive start. */
 #include "cases.h"
 
 /* Computes wall velocities: the wall at y = L moves with U. */

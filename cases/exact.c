@@ -1,12 +1,8 @@
 /* Shared by cases with an exact solution: their quantities, and a start from the solution. */
 #include "cases.h"
 
-/*
-  MeasureExact - Reports the quantities of every case, and error norms against the exact solution if
-  the run has the physics and the constant viscosity of the case
-
-  Collective
-*/
+/* MeasureExact - Reports the quantities of every case, and error norms against the exact solution
+   if the run has the physics and the constant viscosity of the case. Collective. */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;

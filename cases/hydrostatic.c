@@ -20,10 +20,8 @@ static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[
   }
 }
 
-/*
-  Reports the errors against the exact solution, and speed_over_gdt, the largest speed divided by
-  g dt, the speed after a free fall of one step.
-*/
+/* Reports the errors against the exact solution, and speed_over_gdt, the largest speed divided by g
+   dt, the speed after a free fall of one step. */
 static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;

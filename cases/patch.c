@@ -1,7 +1,5 @@
-/*
-  Box of the patch tests: particles at cell centres of the unit square or cube, except for a margin
-  of -patch_margin spacings at its sides. src/patch/ has the tests.
-*/
+/* Box of the patch tests: particles at cell centres of the unit square or cube, except for a margin
+   of -patch_margin spacings at its sides. src/patch/ has the tests. */
 #include "cases.h"
 
 static PetscErrorCode PatchSetup(Scene *scene)

@@ -1,7 +1,5 @@
-/*
-  Start-up of plane Poiseuille flow from rest, driven by a body force along x. By default the only
-  physics is viscosity and this force. The exact solution is a series for an impulsive start.
-*/
+/* Start-up of plane Poiseuille flow from rest, driven by a body force along x. By default the only
+   physics is viscosity and this force. The exact solution is a series for an impulsive start. */
 #include "cases.h"
 
 /* Sets the force f = 8 nu U/L^2, which drives a steady flow of largest velocity U. */

@@ -1,7 +1,5 @@
-/*
-  A scene typed by the user with the options of src/scene/typed.c: a box with its sides and bodies.
-  Velocities that no option gives are zero.
-*/
+/* A scene typed by the user with the options of src/scene/typed.c: a box with its sides and bodies.
+   Velocities that no option gives are zero. */
 #include "cases.h"
 
 /* Does nothing: the options have set the scene. */
@@ -87,10 +85,8 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports errors against -scene_exact, force and torque on each body, extrema of the velocity on the
-  centrelines of a closed box without bodies, and the quantities of every case.
-*/
+/* Reports errors against -scene_exact, force and torque on each body, extrema of the velocity on
+   the centrelines of a closed box without bodies, and the quantities of every case. */
 static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;

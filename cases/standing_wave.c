@@ -1,9 +1,7 @@
-/*
-  A standing wave of gravity and surface tension, of small amplitude, on a viscous fluid above a
-  floor without slip, in a channel with one wave length: the least damped mode of the linear
-  equations, an exact solution for small slopes. It begins with a flat surface. g = U^2/L along y,
-  wave length L, depth L/2.
-*/
+/* A standing wave of gravity and surface tension, of small amplitude, on a viscous fluid above a
+   floor without slip, in a channel with one wave length: the least damped mode of the linear
+   equations, an exact solution for small slopes. It begins with a flat surface. g = U^2/L along y,
+   wave length L, depth L/2. */
 #include "cases.h"
 #include "isph/strain.h"
 

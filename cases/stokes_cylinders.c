@@ -1,8 +1,6 @@
-/*
-  Creeping flow through a square array of cylinders: a cylinder in a periodic cell of side L, driven
-  by a body force. The drag is compared with a series solution. Option -solid_fraction sets the
-  solid fraction.
-*/
+/* Creeping flow through a square array of cylinders: a cylinder in a periodic cell of side L,
+   driven by a body force. The drag is compared with a series solution. Option -solid_fraction sets
+   the solid fraction. */
 #include "cases.h"
 
 /*

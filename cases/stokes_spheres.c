@@ -1,8 +1,6 @@
-/*
-  Creeping flow through a simple cubic array of spheres: a sphere in a periodic cube of side L,
-  driven by a body force along x. The drag is compared with a series solution. Option
-  -solid_fraction sets the solid fraction.
-*/
+/* Creeping flow through a simple cubic array of spheres: a sphere in a periodic cube of side L,
+   driven by a body force along x. The drag is compared with a series solution. Option
+   -solid_fraction sets the solid fraction. */
 #include "cases.h"
 
 #define GAP 4.0 /* least gap between spheres, as between bodies of typed scenes [dx] */

@@ -1,7 +1,5 @@
-/*
-  Flow between concentric cylinders. The inner cylinder, R1 = L/2, rotates with surface speed U;
-  the outer cylinder, R2 = L, is at rest. The steady flow below the onset of vortices is exact.
-*/
+/* Flow between concentric cylinders. The inner cylinder, R1 = L/2, rotates with surface speed U;
+   the outer cylinder, R2 = L, is at rest. The steady flow below the onset of vortices is exact. */
 #include "cases.h"
 
 /* Sets the cylinders, and a box with room for dummy layers behind the outer cylinder. The sides of

@@ -1,7 +1,5 @@
-/*
-  Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes
-  equations. In 3D the same flow is uniform along z in a cube, and exact too.
-*/
+/* Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes
+   equations. In 3D the same flow is uniform along z in a cube, and exact too. */
 #include "cases.h"
 
 static PetscErrorCode TaylorGreenSetup(Scene *scene)

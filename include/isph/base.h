@@ -1,7 +1,5 @@
-/*
-  Foundation of all modules: PETSc, the version, tables of named rows, errors of the user, and
-  files.
-*/
+/* Foundation of all modules: PETSc, the version, tables of named rows, errors of the user, and
+   files. */
 #ifndef ISPH_BASE_H
 #define ISPH_BASE_H
 
@@ -10,13 +8,11 @@
 #define ISPH_VERSION "0.2.0"
 #define ISPH_MAX_DIM 3
 
-/*
-  ISPH_WIDE compiles a function twice: for all x86-64 processors, and for those with vectors of four
-  numbers. The loader takes the version that fits. Both have the same operations, without fused
-  multiply-add, so results are equal to the last bit. ISPH_INLINE marks the functions that have to
-  become part of both versions; under the sanitizers, which take ten times as long to compile them,
-  there is one version.
-*/
+/* ISPH_WIDE compiles a function twice: for all x86-64 processors, and for those with vectors of
+   four numbers. The loader takes the version that fits. Both have the same operations, without
+   fused multiply-add, so results are equal to the last bit. ISPH_INLINE marks the functions that
+   have to become part of both versions; under the sanitizers, which take ten times as long to
+   compile them, there is one version. */
 #ifdef __SANITIZE_ADDRESS__
 #define ISPH_INLINE inline
 #else
@@ -29,10 +25,8 @@
 #define ISPH_WIDE
 #endif
 
-/*
-  A table is a const array of structs that all begin with these three members. Options choose a row
-  by its name; only src/base/table.c compares names.
-*/
+/* A table is a const array of structs that all begin with these three members. Options choose a row
+   by its name; only src/base/table.c compares names. */
 typedef struct {
   const char *name;     /* value of the option */
   const char *brief;    /* description in a line */
@@ -70,12 +64,10 @@ PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer vi
 void            TextAppend(char text[], size_t size, const char more[]);
 void            AppendWord(char list[], size_t size, const char word[]);
 
-/*
-  Checks a condition that the user must meet. Errors that the user can correct (an option, a file, a
-  diverged solve) end the run with a message of one line instead of a traceback; ErrorsInstall() and
-  ErrorsExit() do this. The text of UserCheck() gives the option, its value and the allowed values.
-  Collective: the condition must be the same on all ranks.
-*/
+/* Checks a condition that the user must meet. Errors that the user can correct (an option, a file,
+   a diverged solve) end the run with a message of one line instead of a traceback; ErrorsInstall()
+   and ErrorsExit() do this. The text of UserCheck() gives the option, its value and the allowed
+   values. Collective: the condition must be the same on all ranks. */
 #define UserCheck(condition, ...)                                                                  \
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 /* Error code of a run that a signal interrupted, 128 plus its number; also its exit status, as of a

@@ -1,7 +1,5 @@
-/*
-  Fits: kernels, the stencil of a particle with its neighbours, least-squares fits, and small dense
-  systems. Formulas: theory.md, sections 3 and 4.
-*/
+/* Fits: kernels, the stencil of a particle with its neighbours, least-squares fits, and small dense
+   systems. Formulas: theory.md, sections 3 and 4. */
 #ifndef ISPH_FITS_H
 #define ISPH_FITS_H
 

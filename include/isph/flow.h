@@ -1,7 +1,5 @@
-/*
-  Flow: all data of a step. FlowState holds velocities and pressure; a scheme is a list of stages,
-  which FlowStep() does in turn; observers stand between stages, and judges repeat them.
-*/
+/* Flow: all data of a step. FlowState holds velocities and pressure; a scheme is a list of stages,
+   which FlowStep() does in turn; observers stand between stages, and judges repeat them. */
 #ifndef ISPH_FLOW_H
 #define ISPH_FLOW_H
 
@@ -58,10 +56,9 @@ typedef struct {
   PetscReal  room; /* volume of a box that fluid enters and cannot leave; 0: another box [m^dim] */
 } Openings;
 
-/*
-  Velocity and pressure on the particles. Fields follow the particles through migration, restart and
-  undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
-*/
+/* Velocity and pressure on the particles. Fields follow the particles through migration, restart
+   and undo. Vectors are valid for an epoch; they share storage with the fields or hold the present
+   step. */
 typedef struct {
   const ShiftRow *shift; /* NULL: fixed particles */
   PetscReal       shift_strength;
@@ -230,10 +227,8 @@ typedef struct {
   PetscBool        quiet;  /* the report has it only if it has left its range */
 } SchemeFigure;
 
-/*
-  A stage of a step. The stages that apply to a flow are chosen once in a run, and FlowStep() does
-  them in turn. A stage that fails sets scheme->failure, which ends the step.
-*/
+/* A stage of a step. The stages that apply to a flow are chosen once in a run, and FlowStep() does
+   them in turn. A stage that fails sets scheme->failure, which ends the step. */
 typedef struct {
   const char *name, *brief;
   PetscBool (*Applies)(const Flow *flow); /* NULL: to all flows */
@@ -258,10 +253,8 @@ typedef struct {
   PetscReal first; /* its measure of the solution before them */
 } Trial;
 
-/*
-  A judge of solutions. Decide sees the solution and tells if something is done again. Treat, after
-  the restoring, prepares another treatment. Clear ends the treatment after the step.
-*/
+/* A judge of solutions. Decide sees the solution and tells if something is done again. Treat, after
+   the restoring, prepares another treatment. Clear ends the treatment after the step. */
 typedef struct {
   const char *name, *brief;
   PetscBool (*Applies)(const Flow *flow);
@@ -277,13 +270,11 @@ typedef struct Splines Splines;
    fixed ones, moving ones, and those of free surfaces. */
 typedef enum { MEMORY_EVEN, MEMORY_FIXED, MEMORY_MOVING, MEMORY_FREE, MEMORY_KINDS } MemoryKind;
 
-/*
-  A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
-  and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and creates
-  solvers. Register adds fields to the particles. Begin prepares the scheme for the present fields.
-  Limit lowers the longest allowed step. View prints the scheme's lines of the banner. The stages
-  make a step of the clock's dt.
-*/
+/* A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
+   and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and
+   creates solvers. Register adds fields to the particles. Begin prepares the scheme for the present
+   fields. Limit lowers the longest allowed step. View prints the scheme's lines of the banner. The
+   stages make a step of the clock's dt. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscErrorCode (*Create)(Flow *flow);

@@ -1,7 +1,5 @@
-/*
-  Forces of the fluid on boundaries at the present state: values at points, facets of surfaces,
-  tractions on them, and the momentum that fluid and boundary exchange.
-*/
+/* Forces of the fluid on boundaries at the present state: values at points, facets of surfaces,
+   tractions on them, and the momentum that fluid and boundary exchange. */
 #ifndef ISPH_FORCES_H
 #define ISPH_FORCES_H
 

@@ -1,7 +1,5 @@
-/*
-  Geometry: shapes of the plane and of space by the distance from their surface, bodies made of
-  them, and points on surfaces. It knows neither a scene nor particles.
-*/
+/* Geometry: shapes of the plane and of space by the distance from their surface, bodies made of
+   them, and points on surfaces. It knows neither a scene nor particles. */
 #ifndef ISPH_GEOMETRY_H
 #define ISPH_GEOMETRY_H
 
@@ -13,11 +11,9 @@ typedef struct {
   void   **block;
 } BodyStore;
 
-/*
-  The pose of a body: its place, its motion, and the load of the fluid. State of the run: undone
-  with a step, kept in checkpoints. All members are real numbers. A point y of the body as it was
-  typed, with centre c, is at x + R(turn) (y - c).
-*/
+/* The pose of a body: its place, its motion, and the load of the fluid. State of the run: undone
+   with a step, kept in checkpoints. All members are real numbers. A point y of the body as it was
+   typed, with centre c, is at x + R(turn) (y - c). */
 typedef struct {
   PetscReal x[ISPH_MAX_DIM];    /* of the centre [m] */
   PetscReal turn[4];            /* attitude: a unit quaternion, real part first; 1,0,0,0 as typed */

@@ -1,6 +1,4 @@
-/*
-  Output of a run: probes, the report, snapshots, matrices, progress and the banner.
-*/
+/* Output of a run: probes, the report, snapshots, matrices, progress and the banner. */
 #ifndef ISPH_IO_H
 #define ISPH_IO_H
 

@@ -1,5 +1,5 @@
-/* Operators: the chosen forms, the assembly of their rows, products, and sparse matrices of them.
-   */
+/* Operators: the chosen forms, the assembly of their rows, products, and sparse matrices of
+   them. */
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
 

@@ -1,7 +1,5 @@
-/*
-  Options: tables of rows with name, kind, unit, default and range; readers that take a row; the
-  command line and its files; requests that are answered without a run.
-*/
+/* Options: tables of rows with name, kind, unit, default and range; readers that take a row; the
+   command line and its files; requests that are answered without a run. */
 #ifndef ISPH_OPTIONS_H
 #define ISPH_OPTIONS_H
 
@@ -33,10 +31,8 @@ typedef enum {
   FILE_WRITTEN
 } FileUse;
 
-/*
-  An option. No other table holds its name: parsing, -help, suggestions, the refusal of unused
-  options and the reference page read this row.
-*/
+/* An option. No other table holds its name: parsing, -help, suggestions, the refusal of unused
+   options and the reference page read this row. */
 typedef struct {
   const char        *name;     /* as typed; <k> is a number, <word> a word of places */
   OptionKind         kind;     /* of the value */

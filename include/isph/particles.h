@@ -42,10 +42,8 @@ typedef struct {
   PetscReal **slot; /* component pointers of the registrant, kept valid: slot[c][i], i < capacity */
 } Field;
 
-/*
-  The kind of a particle. Fluid kinds have a row in every equation and are stored with the fluid;
-  wall kinds have given values and are stored with the walls.
-*/
+/* The kind of a particle. Fluid kinds have a row in every equation and are stored with the fluid;
+   wall kinds have given values and are stored with the walls. */
 typedef enum { PARTICLE_FLUID, PARTICLE_WALL, PARTICLE_KINDS } ParticleKind;
 typedef struct {
   const char *name;
@@ -266,13 +264,11 @@ PetscErrorCode CellsFree(Cells *cells);
 PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radius, PetscInt max,
                          PetscInt list[], PetscInt *count);
 
-/*
-  Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
-  order without i. Pairs closer than the larger of their radii are neighbours; radii are in
-  proportion to the largest edges of cells. With a Verlet margin the rows also hold pairs slightly
-  beyond the radius, so readers must skip r >= radius. The cells hold positions at the time the rows
-  were built: probes call CellsFind() with radius + margin / 2 and skip likewise.
-*/
+/* Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
+   order without i. Pairs closer than the larger of their radii are neighbours; radii are in
+   proportion to the largest edges of cells. With a Verlet margin the rows also hold pairs slightly
+   beyond the radius, so readers must skip r >= radius. The cells hold positions at the time the
+   rows were built: probes call CellsFind() with radius + margin / 2 and skip likewise. */
 typedef struct {
   PetscReal  radius;  /* the largest [m] */
   PetscReal  spacing; /* largest edge of the cells of particles that have it [m] */

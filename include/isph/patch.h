@@ -1,8 +1,6 @@
-/*
-  The patch test: properties of an operator, measured without a flow. A field is given on particles
-  in a box and around it. The test assembles, applies and times the Laplacian, compares it with the
-  exact Laplacian, examines its matrix, and solves a Poisson problem with it.
-*/
+/* The patch test: properties of an operator, measured without a flow. A field is given on particles
+   in a box and around it. The test assembles, applies and times the Laplacian, compares it with the
+   exact Laplacian, examines its matrix, and solves a Poisson problem with it. */
 #ifndef ISPH_PATCH_H
 #define ISPH_PATCH_H
 

@@ -1,7 +1,5 @@
-/*
-  Gives PETSc 3.18 to 3.25 the names of the newest release. A name that changed between releases is
-  defined here for the releases before the change; no other file depends on the version.
-*/
+/* Gives PETSc 3.18 to 3.25 the names of the newest release. A name that changed between releases is
+   defined here for the releases before the change; no other file depends on the version. */
 #ifndef ISPH_PETSC_H
 #define ISPH_PETSC_H
 

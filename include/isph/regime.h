@@ -1,7 +1,5 @@
-/*
-  The regime of a flow: facts and numbers that decide defaults, and the table of these defaults. No
-  other file compares a cell Reynolds number.
-*/
+/* The regime of a flow: facts and numbers that decide defaults, and the table of these defaults. No
+   other file compares a cell Reynolds number. */
 #ifndef ISPH_REGIME_H
 #define ISPH_REGIME_H
 

@@ -73,15 +73,12 @@ typedef struct {
   PetscBool      planar;     /* in 2D the stress has no trace in the plane, otherwise none in 3D */
 } ComposedForm;
 
-/*
-  Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
-  equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
-  component a. Such a form without FORM_NULL_CONSTANTS also sets own[a dim + b] of the stencil,
-  which multiplies (u_i)_b.
-
-  Factor() computes a number of a particle from its stencil, with the uncorrected kernel. It is
-  called for all fluid particles before the rows, which then read st->factor of each neighbour.
-*/
+/* Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
+   equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
+   component a. Such a form without FORM_NULL_CONSTANTS also sets own[a dim + b] of the stencil,
+   which multiplies (u_i)_b. Factor() computes a number of a particle from its stencil, with the
+   uncorrected kernel. It is called for all fluid particles before the rows, which then read
+   st->factor of each neighbour. */
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    properties;  /* bits of FormProperty */
@@ -112,11 +109,9 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, Pet
 PetscReal      LaplacianShare(const LaplacianForm *form, PetscInt i);
 PetscBool      LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction);
 
-/*
-  Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.
-  DivergenceFit() computes the weights d[a][k] of (u_k - u_i)_a of fluid neighbour k, and the
-  weights m[k] of the normal component n.(u_k - u_i) of wall neighbour k.
-*/
+/* Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.
+   DivergenceFit() computes the weights d[a][k] of (u_k - u_i)_a of fluid neighbour k, and the
+   weights m[k] of the normal component n.(u_k - u_i) of wall neighbour k. */
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    properties; /* bits of FormProperty: constants, exactness, support */

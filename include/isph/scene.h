@@ -1,8 +1,6 @@
-/*
-  The scene: a complete and checked description of the flow, made before any particle exists. It
-  has the domain, the fluid, the forces and the physics of the case, and nothing about its numerical
-  solution.
-*/
+/* The scene: a complete and checked description of the flow, made before any particle exists. It
+   has the domain, the fluid, the forces and the physics of the case, and nothing about its
+   numerical solution. */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
@@ -119,10 +117,8 @@ typedef struct {
   PetscInt  side;                 /* the number of the boundary in Scene.boundary */
 } WallPlane;
 
-/*
-  A case: geometry, initial and boundary values, exact solution or reference data, but no time loop
-  and no scheme.
-*/
+/* A case: geometry, initial and boundary values, exact solution or reference data, but no time loop
+   and no scheme. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   three_d;                   /* -dim 3 allowed */
@@ -281,13 +277,9 @@ struct Scene {
   Regime      *regime; /* of defaults; callers add the facts of their options */
 };
 
-/*
-  SceneMixes - Returns true if fluids differ in density, or their interfaces have a tension; not
-  collective
-
-  The viscosity of a particle is then mu/rho with the density rho of the fluid outside the regions,
-  so that rho times it is the dynamic viscosity mu in each fluid.
-*/
+/* SceneMixes - Returns true if fluids differ in density, or their interfaces have a tension; not
+   collective. The viscosity of a particle is then mu/rho with the density rho of the fluid outside
+   the regions, so that rho times it is the dynamic viscosity mu in each fluid. */
 static inline PetscBool SceneMixes(const Scene *scene)
 {
   for (PetscInt k = 0; k < scene->n_regions; k++)

@@ -1,8 +1,6 @@
-/*
-  Linear solvers: their defaults, and a guard. After each solve the guard computes the true
-  residual, solves again by fallback methods if the residual is not small, and fails the step if no
-  method helps. See src/solvers/guard.c and fallback.c.
-*/
+/* Linear solvers: their defaults, and a guard. After each solve the guard computes the true
+   residual, solves again by fallback methods if the residual is not small, and fails the step if no
+   method helps. See src/solvers/guard.c and fallback.c. */
 #ifndef ISPH_SOLVERS_H
 #define ISPH_SOLVERS_H
 

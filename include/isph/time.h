@@ -1,7 +1,5 @@
-/*
-  The clock owns the time and the length of steps. This header also has the reason for a failed
-  step.
-*/
+/* The clock owns the time and the length of steps. This header also has the reason for a failed
+   step. */
 #ifndef ISPH_TIME_H
 #define ISPH_TIME_H
 
@@ -23,10 +21,8 @@ extern const OptionTable TimeOptions;
 #define CLOCK_STABLE 1.53
 #define CLOCK_WHERE  64 /* length of the text of ClockWhere() */
 
-/*
-  The reason for a failed step. The step ends early; then the run either ends and prints the
-  sentence, or undoes the step and tries a shorter step.
-*/
+/* The reason for a failed step. The step ends early; then the run either ends and prints the
+   sentence, or undoes the step and tries a shorter step. */
 typedef struct {
   PetscErrorCode code;          /* 0: none; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
   PetscBool      fatal;         /* a shorter step would not help */
@@ -43,10 +39,8 @@ typedef struct {
 } StepLimit;
 void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
 
-/*
-  Named numbers that a run keeps from step to step. The run restores them when it undoes a step
-  (except counters) and writes them to checkpoints. Their owners keep the storage.
-*/
+/* Named numbers that a run keeps from step to step. The run restores them when it undoes a step
+   (except counters) and writes them to checkpoints. Their owners keep the storage. */
 #define MEMORY_MAX 96
 typedef struct {
   char       name[32];

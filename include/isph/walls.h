@@ -7,10 +7,9 @@
 extern const Table   WallTable;
 extern const WallRow WallGiven; /* treatment of patch tests, not in the table */
 
-/*
-  Values at boundaries: the wall data e of the operators, an entry for each own wall particle, as
-  its boundary gives them (SceneWallVelocity(), SceneWallPressure()). They are valid for an epoch.
-*/
+/* Values at boundaries: the wall data e of the operators, an entry for each own wall particle, as
+   its boundary gives them (SceneWallVelocity(), SceneWallPressure()). They are valid for an
+   epoch. */
 typedef struct {
   PetscInt  epoch;           /* epoch of the vectors; 0: no vectors */
   Vec       u[ISPH_MAX_DIM]; /* velocity [m/s], or n.grad of a component [1/s] */

@@ -1,7 +1,5 @@
-/*
-  The check of a step: measures energy, largest speed and divergence of the new velocity, and
-  compares the velocity with the bound that follows from driving forces and walls.
-*/
+/* The check of a step: measures energy, largest speed and divergence of the new velocity, and
+   compares the velocity with the bound that follows from driving forces and walls. */
 #include "isph/balance.h"
 
 #define UNEVEN 0.15 /* unevenness above which the run prints a note [-] */
@@ -38,12 +36,9 @@ static const PetscReal *Concentrations(const Flow *flow)
   return flow->ops->free ? NULL : flow->ops->concentration.value;
 }
 
-/*
-  Measures kinetic energy, largest speed, the largest speed to which walls can have driven the
-  fluid, the unevenness and, with a pressure, the largest divergence
-
-  Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
-*/
+/* Measures kinetic energy, largest speed, the largest speed to which walls can have driven the
+   fluid, the unevenness and, with a pressure, the largest divergence. Collective. Input: u -
+   velocity components. Output: scheme->stats, bound.walls. */
 static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
 {
   const Scene       *scene  = flow->scene;

@@ -1,7 +1,5 @@
-/*
-  Error messages: a single line for an error that the user can correct, PETSc's traceback for a
-  defect of the program.
-*/
+/* Error messages: a single line for an error that the user can correct, PETSc's traceback for a
+   defect of the program. */
 #include "isph/base.h"
 #include <ctype.h>
 #include <signal.h>
@@ -49,10 +47,8 @@ static PetscBool ErrorIsOfMemory(const char function[])
   return !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign");
 }
 
-/*
-  Returns true if PETSc fails with a solver that the user has chosen, such as a preconditioner that
-  needs data of a mesh.
-*/
+/* Returns true if PETSc fails with a solver that the user has chosen, such as a preconditioner that
+   needs data of a mesh. */
 static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
 {
   char     *all    = NULL;

@@ -1,7 +1,5 @@
-/*
-  Files that a run writes, and the place of the program. Only regular files are written or replaced:
-  a device, a folder or a symbolic link in the place of a file would be lost.
-*/
+/* Files that a run writes, and the place of the program. Only regular files are written or
+   replaced: a device, a folder or a symbolic link in the place of a file would be lost. */
 #include "isph/base.h"
 #include <fcntl.h>
 #include <sys/stat.h>

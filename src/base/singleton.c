@@ -1,8 +1,6 @@
-/*
-  The start of MPI for a program without a launcher, which has a single rank. Open MPI starts a
-  daemon beside it, and searches for networks, displays, graphics processors and the parts of the
-  computer, none of which it uses afterwards: together two thirds of the start of the program.
-*/
+/* The start of MPI for a program without a launcher, which has a single rank. Open MPI starts a
+   daemon beside it, and searches for networks, displays, graphics processors and the parts of the
+   computer, none of which it uses afterwards: together two thirds of the start of the program. */
 #include "isph/base.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,5 @@
-/*
-  Tables of named rows: search by name, choice by an option, and lists of words. No other file
-  compares names of rows.
-*/
+/* Tables of named rows: search by name, choice by an option, and lists of words. No other file
+   compares names of rows. */
 #include "isph/base.h"
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,5 @@
-/*
-  Small dense algebra for stencils, at most a few tens of rows: Cholesky factors of moment matrices,
-  and elimination for unsymmetric matrices.
-*/
+/* Small dense algebra for stencils, at most a few tens of rows: Cholesky factors of moment
+   matrices, and elimination for unsymmetric matrices. */
 #include "isph/fits.h"
 
 /* DenseCholesky - Factors a symmetric positive definite matrix in place. Input/Output: a - n x n

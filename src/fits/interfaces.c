@@ -1,8 +1,7 @@
-/*
-  Interfaces of fluids near a place, from the distances d_j and unit normals n_j that particles
-  carry. Particle j gives the foot y_j = x_j - d_j n_j on the interface that it sees. Normals tell
-  the two interfaces of a band apart, which distances alone do not: they point to opposite sides.
-*/
+/* Interfaces of fluids near a place, from the distances d_j and unit normals n_j that particles
+   carry. Particle j gives the foot y_j = x_j - d_j n_j on the interface that it sees. Normals tell
+   the two interfaces of a band apart, which distances alone do not: they point to opposite
+   sides. */
 #include "isph/fits.h"
 
 #define RADIUS       2.5  /* of the fits [dx_j] */

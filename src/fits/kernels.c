@@ -1,8 +1,6 @@
-/*
-  Smoothing kernels. A table row gives the shape w(q), q = r/h, and the factors that normalise the
-  integral of the kernel to 1 in 1, 2 and 3 dimensions. A new kernel needs a shape function and a
-  table row.
-*/
+/* Smoothing kernels. A table row gives the shape w(q), q = r/h, and the factors that normalise the
+   integral of the kernel to 1 in 1, 2 and 3 dimensions. A new kernel needs a shape function and a
+   table row. */
 #include "isph/fits.h"
 
 /* Computes the cubic B-spline with support 2h, w = 1 - 3/2 q^2 + 3/4 q^3 for q < 1, else (2-q)^3/4,

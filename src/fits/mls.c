@@ -30,10 +30,8 @@ static ISPH_INLINE void LaplacianColumn(const Stencil *st, PetscInt dim, PetscIn
     b[(dim + a * (a + 1) / 2 + a) * width] = 2.0 * PetscSqr(st->stretch[a]) / PetscSqr(st->radius);
 }
 
-/*
-  Sets the right-hand side m = sum_k W_k phi_k of the filter, with neighbours k that give a value:
-  only values determine the constant of a fit. Returns W(0) + sum_k W_k.
-*/
+/* Sets the right-hand side m = sum_k W_k phi_k of the filter, with neighbours k that give a value:
+   only values determine the constant of a fit. Returns W(0) + sum_k W_k. */
 static ISPH_INLINE PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt width,
                                           PetscReal m[])
 {
@@ -75,13 +73,10 @@ static ISPH_INLINE void LaplacianOfDistances(Stencil *st)
   for (PetscInt k = 0; k < st->n && sum > 0.0; k++) st->fit.laplacian[k] *= 2.0 * st->dim / sum;
 }
 
-/*
-  Computes all rows of the fit of a degree for the present equations of the neighbours
-
-  Returns: PETSC_FALSE if the neighbours do not determine a fit of a degree above the least one,
-  st->least_degree. A fit of the least degree is regularised then, see MlsSolve(), and
-  st->regularised counts it.
-*/
+/* Computes all rows of the fit of a degree for the present equations of the neighbours. Returns:
+   PETSC_FALSE if the neighbours do not determine a fit of a degree above the least one,
+   st->least_degree. A fit of the least degree is regularised then, see MlsSolve(), and
+   st->regularised counts it. */
 static ISPH_INLINE PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
 {
   const PetscInt terms = MlsTerms(dim, degree), width = MlsWidth(terms + dim + 2), filter = terms,

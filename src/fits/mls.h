@@ -1,9 +1,7 @@
-/*
-  Parts of moving least-squares fits, shared by fits of scalars and of vectors: the basis at all
-  neighbours, the sums over neighbours, and the solution of the normal equations. All are inlined,
-  so that the compiler knows the numbers of terms. Loops over neighbours are innermost, and arrays
-  over neighbours end in zeros up to a multiple of ISPH_LANES, so that they need no remainder.
-*/
+/* Parts of moving least-squares fits, shared by fits of scalars and of vectors: the basis at all
+   neighbours, the sums over neighbours, and the solution of the normal equations. All are inlined,
+   so that the compiler knows the numbers of terms. Loops over neighbours are innermost, and arrays
+   over neighbours end in zeros up to a multiple of ISPH_LANES, so that they need no remainder. */
 #ifndef ISPH_MLS_H
 #define ISPH_MLS_H
 
@@ -96,12 +94,8 @@ static ISPH_INLINE void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
   }
 }
 
-/*
-  Computes the moments sum_k W_k phi_t phi_q
-
-  Input: W - weights of the neighbours, padded; width - length of the rows of M. Output: M - block
-  of terms x terms.
-*/
+/* Computes the moments sum_k W_k phi_t phi_q. Input: W - weights of the neighbours, padded; width -
+   length of the rows of M. Output: M - block of terms x terms. */
 static ISPH_INLINE void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal W[],
                                    PetscInt width, PetscReal M[])
 {
@@ -172,14 +166,10 @@ static ISPH_INLINE PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal 
   return PETSC_TRUE;
 }
 
-/*
-  Solves the normal equations of a fit. If the points do not determine the fit, adds a multiple of
-  the unit matrix: the first of 1e-8, 1e-6, ... times the trace that makes the matrix positive
-  definite.
-
-  Input: system - as for MlsEliminate(). Output: solved - the rows of the system with X in place of
-  B. Returns: PETSC_FALSE if the points do not determine the fit.
-*/
+/* Solves the normal equations of a fit. If the points do not determine the fit, adds a multiple of
+   the unit matrix: the first of 1e-8, 1e-6, ... times the trace that makes the matrix positive
+   definite. Input: system - as for MlsEliminate(). Output: solved - the rows of the system with X
+   in place of B. Returns: PETSC_FALSE if the points do not determine the fit. */
 static ISPH_INLINE PetscBool MlsSolve(PetscInt n, PetscInt width, const PetscReal system[],
                                       PetscReal solved[])
 {

@@ -1,8 +1,6 @@
-/*
-  Fits of several particles at once, one in each lane of a vector: the formulas are those of mls.c,
-  for particles whose neighbours all give values. A fit alone spends most of its time on sums across
-  lanes and on a system of a few unknowns; here no operation crosses lanes.
-*/
+/* Fits of several particles at once, one in each lane of a vector: the formulas are those of mls.c,
+   for particles whose neighbours all give values. A fit alone spends most of its time on sums
+   across lanes and on a system of a few unknowns; here no operation crosses lanes. */
 #include "mlsbatch.h"
 #include "lanemonomials.h"
 

@@ -1,13 +1,9 @@
-/*
-  The least-squares fit of a vector. A wall gives only the normal component of the vector,
-  and this equation couples the components. For the fit of a scalar see mls.c.
-*/
+/* The least-squares fit of a vector. A wall gives only the normal component of the vector, and this
+   equation couples the components. For the fit of a scalar see mls.c. */
 #include "mls.h"
 
-/*
-  Computes the moments of the vector fit, blocks (c, e) of scalar moments with the weights W_k in
-  the fluid if c = e, and W_k n_c n_e at walls.
-*/
+/* Computes the moments of the vector fit, blocks (c, e) of scalar moments with the weights W_k in
+   the fluid if c = e, and W_k n_c n_e at walls. */
 static ISPH_INLINE void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
                                       PetscReal M[])
 {

@@ -1,9 +1,7 @@
-/*
-  Fits of the nearest particles at the points of a group. The nearest particles may lie near a conic
-  section, on which a quadratic function vanishes. Then the weights are large and amplify the data:
-  a fit of 14 with a sum of 22 spoilt the flow of 64 x 64 particles within a step. Such fits take
-  more particles.
-*/
+/* Fits of the nearest particles at the points of a group. The nearest particles may lie near a
+   conic section, on which a quadratic function vanishes. Then the weights are large and amplify the
+   data: a fit of 14 with a sum of 22 spoilt the flow of 64 x 64 particles within a step. Such fits
+   take more particles. */
 #include "isph/fits.h"
 
 #define LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */

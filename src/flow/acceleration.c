@@ -96,13 +96,10 @@ static PetscErrorCode Derivatives(const Flow *flow, PetscReal derivative[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Adds the error of the present steps to what decay has left of the earlier one, after `span`
-
-  The error of a flow that decays, with u'' = -d u' and u' = -d u, keeps its sign: it decays with
-  the flow, and grows beside it by d in a time. Otherwise the residual alternates, and errors decay
-  by walls, with the flow, and by their own details.
-*/
+/* Adds the error of the present steps to what decay has left of the earlier one, after `span`. The
+   error of a flow that decays, with u'' = -d u' and u' = -d u, keeps its sign: it decays with the
+   flow, and grows beside it by d in a time. Otherwise the residual alternates, and errors decay by
+   walls, with the flow, and by their own details. */
 static void AddError(const Flow *flow, PetscReal error, const PetscReal derivative[2],
                      PetscReal span, Acceleration *acceleration)
 {

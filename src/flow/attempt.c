@@ -1,9 +1,7 @@
-/*
-  The attempts of a step. Judges see the solution of a step and repeat a part of it with another
-  treatment: the last solve, all solves, or the whole step in a shorter time. This file
-  alone saves and restores what a step begins with: all registered fields, the numbers of the run's
-  memory, and what a scheme keeps off the particles. All other data are computed from these.
-*/
+/* The attempts of a step. Judges see the solution of a step and repeat a part of it with another
+   treatment: the last solve, all solves, or the whole step in a shorter time. This file alone saves
+   and restores what a step begins with: all registered fields, the numbers of the run's memory, and
+   what a scheme keeps off the particles. All other data are computed from these. */
 #include "isph/flow.h"
 
 struct Attempt {

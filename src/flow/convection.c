@@ -1,12 +1,11 @@
-/*
-  The convective term of fixed particles. In a turning frame, see src/scene/scene.c, the advecting
-  velocity is that relative to the frame, and w z x u, by which its axes turn, belongs to the term.
-*/
+/* The convective term of fixed particles. In a turning frame, see src/scene/scene.c, the advecting
+   velocity is that relative to the frame, and w z x u, by which its axes turn, belongs to the
+   term. */
 #include "isph/flow.h"
 
 /* ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without
-   the velocity filter. Collective. For inputs and output see ConvectionApply(); walls NULL: zero.
-   */
+   the velocity filter. Collective. For inputs and output see ConvectionApply(); walls NULL:
+   zero. */
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result)
 {

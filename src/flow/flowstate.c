@@ -1,7 +1,5 @@
-/*
-  The state of a flow: velocity and pressure as fields of the particles and as vectors, the initial
-  values, and work vectors that a step borrows.
-*/
+/* The state of a flow: velocity and pressure as fields of the particles and as vectors, the initial
+   values, and work vectors that a step borrows. */
 #include "isph/flow.h"
 
 /* Registers the work that stages of a step share for -log_view. */

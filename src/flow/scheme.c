@@ -1,7 +1,5 @@
-/*
-  The limit of a scheme's steps, and its lists of solves and figures for banner, report, progress
-  and checkpoints.
-*/
+/* The limit of a scheme's steps, and its lists of solves and figures for banner, report, progress
+   and checkpoints. */
 #include "isph/flow.h"
 
 /* SchemeLimit - Computes the longest step that the scheme allows, with its reason; collective */

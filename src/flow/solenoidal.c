@@ -1,9 +1,7 @@
-/*
-  The smooth solenoidal part of a velocity field. Its scalar products with solenoidal fields that do
-  not cross walls contain no gradient of a pressure, and its smooth part contains no detail on the
-  scale of the grid. Both vary from step to step where particles move, as a noise that is no error
-  in time.
-*/
+/* The smooth solenoidal part of a velocity field. Its scalar products with solenoidal fields that
+   do not cross walls contain no gradient of a pressure, and its smooth part contains no detail on
+   the scale of the grid. Both vary from step to step where particles move, as a noise that is no
+   error in time. */
 #include "isph/flow.h"
 
 #define MODES_2D 7   /* modes along each axis */

@@ -1,6 +1,4 @@
-/*
-  The steady test: changes of velocity, divergence and pressure in a time scale of the flow.
-*/
+/* The steady test: changes of velocity, divergence and pressure in a time scale of the flow. */
 #include "isph/flow.h"
 
 #define LONG    10.0 /* steps beyond it are no steps in time [time scale of the flow] */
@@ -56,12 +54,11 @@ PetscReal FlowRmsSpeed(const Flow *flow)
                        (flow->scheme->stats.density * p->cell_volume * p->weight));
 }
 
-/*
-  Measures the rates of change on fixed particles: of u and p at each particle, and of the root mean
-  square of div u*, which converges to the error of the approximate projection and not to zero.
-  Rates are relative changes in TimeScale(), or in a step if the step is longer. With an incremental
-  projection at large steps, u changes little long before the flow is steady, but p still changes.
-*/
+/* Measures the rates of change on fixed particles: of u and p at each particle, and of the root
+   mean square of div u*, which converges to the error of the approximate projection and not to
+   zero. Rates are relative changes in TimeScale(), or in a step if the step is longer. With an
+   incremental projection at large steps, u changes little long before the flow is steady, but p
+   still changes. */
 static PetscErrorCode MeasureFixed(Flow *flow)
 {
   const Scene     *scene = flow->scene;
@@ -90,11 +87,9 @@ static PetscErrorCode MeasureFixed(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Measures the rates of change with moving particles. Shifting and new neighbours make single steps
-  noisy. Therefore the root mean squares of u, div u* and p are averaged over windows of
-  TimeScale(), but at least 20 steps, and compared with the averages of the window before.
-*/
+/* Measures the rates of change with moving particles. Shifting and new neighbours make single steps
+   noisy. Therefore the root mean squares of u, div u* and p are averaged over windows of
+   TimeScale(), but at least 20 steps, and compared with the averages of the window before. */
 static PetscErrorCode MeasureMoving(Flow *flow)
 {
   const Scene     *scene = flow->scene;

@@ -1,7 +1,5 @@
-/*
-  The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
-  src/schemes/stages/stages.c. Observers look at the flow before and after them.
-*/
+/* The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
+   src/schemes/stages/stages.c. Observers look at the flow before and after them. */
 #include "isph/flow.h"
 
 #define FULL 0.9 /* share of a box that is full [-] */

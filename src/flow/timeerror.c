@@ -1,10 +1,8 @@
-/*
-  Control of the step length by the error in time (-dt_adapt error). A polynomial through earlier
-  velocities of a particle predicts u^{n+1}. Its error and the error of BDF are multiples of the
-  same derivative of u, so that the difference of both velocities gives the error of the step
-  (Milne's device). A step whose error is too large is undone and repeated, and a
-  proportional-integral controller chooses the length of the next step.
-*/
+/* Control of the step length by the error in time (-dt_adapt error). A polynomial through earlier
+   velocities of a particle predicts u^{n+1}. Its error and the error of BDF are multiples of the
+   same derivative of u, so that the difference of both velocities gives the error of the step
+   (Milne's device). A step whose error is too large is undone and repeated, and a
+   proportional-integral controller chooses the length of the next step. */
 #include "isph/flow.h"
 
 #define START_SHARE 64.0 /* length of the first step: the limit of other reasons over this number */

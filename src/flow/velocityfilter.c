@@ -1,10 +1,8 @@
-/*
-  The velocity filter by rates: it takes a part of the residual of a quadratic fit of the velocity,
-  as fast as the flow can amplify disturbances that the pressure does not act on. A velocity w
-  between the points of a coarse pressure is free of divergence for them, whatever it is. So it
-  grows by -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where
-  no pressure turns it away.
-*/
+/* The velocity filter by rates: it takes a part of the residual of a quadratic fit of the velocity,
+   as fast as the flow can amplify disturbances that the pressure does not act on. A velocity w
+   between the points of a coarse pressure is free of divergence for them, whatever it is. So it
+   grows by -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where
+   no pressure turns it away. */
 #include "isph/flow.h"
 
 #define FILTER_RATE 2.0 /* factor of |A A|^(1/2) [-] */

@@ -1,9 +1,7 @@
-/*
-  Facets: pieces of a wall or of a section, about dx wide, over which forces and fluxes are sums.
-  The parts of a facet count that are not buried in other boundaries and, in flows with a free
-  surface, wet. A film has few particles across: with facets that are wet or dry as a whole its
-  flux would jump by a third, and the weight of fluid over a chamfer by a tenth.
-*/
+/* Facets: pieces of a wall or of a section, about dx wide, over which forces and fluxes are sums.
+   The parts of a facet count that are not buried in other boundaries and, in flows with a free
+   surface, wet. A film has few particles across: with facets that are wet or dry as a whole its
+   flux would jump by a third, and the weight of fluid over a chamfer by a tenth. */
 #include "isph/forces.h"
 
 /* Parts of a facet along each direction, wet or dry. */

@@ -1,7 +1,5 @@
-/*
-  The fluid beside a boundary as points of quadrature, with the weight w of forces.c there: cells of
-  the lattice, or the middles of the fluid in those that a body cuts.
-*/
+/* The fluid beside a boundary as points of quadrature, with the weight w of forces.c there: cells
+   of the lattice, or the middles of the fluid in those that a body cuts. */
 #include "layer.h"
 
 #define FLAT    1.0 /* distance up to which w is 1 [spacings at the boundary] */

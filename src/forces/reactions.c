@@ -1,8 +1,6 @@
-/*
-  Forces of strain cells on particles: what multiplies their velocities in the power of stress. They
-  stand in the momentum equation that is solved. The pressure has such forces where a free
-  surface cuts the cells; elsewhere the momentum equation has its gradient at particles.
-*/
+/* Forces of strain cells on particles: what multiplies their velocities in the power of stress.
+   They stand in the momentum equation that is solved. The pressure has such forces where a free
+   surface cuts the cells; elsewhere the momentum equation has its gradient at particles. */
 #include "isph/forces.h"
 #include "isph/strain.h"
 

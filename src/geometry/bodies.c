@@ -1,7 +1,5 @@
-/*
-  Bodies, and regions with the same shapes: their extent, faces, thickness, the points on their
-  surface, and their moments by the divergence theorem.
-*/
+/* Bodies, and regions with the same shapes: their extent, faces, thickness, the points on their
+   surface, and their moments by the divergence theorem. */
 #include "shapes.h"
 
 #define POINTS 60.0 /* along the extent of a body, in the coarser of two sums of moments */

@@ -1,10 +1,8 @@
-/*
-  Compounds: unions, differences and intersections of shapes, combined in the order in which they
-  are typed. The border of a compound in the plane consists of the parts of its shapes' curves that
-  separate solid and fluid, so that distances from it are true everywhere. In space the distance is
-  that of the nearest part: true if the nearest point of that part is on the surface, and a lower
-  bound beside edges where parts meet; its sign is right everywhere.
-*/
+/* Compounds: unions, differences and intersections of shapes, combined in the order in which they
+   are typed. The border of a compound in the plane consists of the parts of its shapes' curves that
+   separate solid and fluid, so that distances from it are true everywhere. In space the distance is
+   that of the nearest part: true if the nearest point of that part is on the surface, and a lower
+   bound beside edges where parts meet; its sign is right everywhere. */
 #include "curves.h"
 
 #define TIGHT 1e-9 /* distance of points that are the same [extent] */

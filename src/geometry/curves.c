@@ -1,8 +1,6 @@
-/*
-  Borders of shapes in the plane: closed loops of straight lines and arcs of ellipses. Distances,
-  points dx apart, and boxes around them follow from the curves alone, so that a new shape lists its
-  curves.
-*/
+/* Borders of shapes in the plane: closed loops of straight lines and arcs of ellipses. Distances,
+   points dx apart, and boxes around them follow from the curves alone, so that a new shape lists
+   its curves. */
 #include "curves.h"
 
 #define TRIES 48 /* angles of a whole ellipse between which nearest points are sought */

@@ -1,7 +1,5 @@
-/*
-  Ellipses, ellipsoids, capsules, cylinders with ends and cones. Solids have an axis of any
-  direction; the points on them are on rings about it.
-*/
+/* Ellipses, ellipsoids, capsules, cylinders with ends and cones. Solids have an axis of any
+   direction; the points on them are on rings about it. */
 #include "curves.h"
 
 static PetscReal Dot(PetscInt dim, const PetscReal u[], const PetscReal v[])

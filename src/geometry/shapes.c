@@ -1,7 +1,5 @@
-/*
-  Shapes of bodies in the plane, defined by a signed distance and by points along the surface. A new
-  shape is five functions, a row and an entry of the table at the end.
-*/
+/* Shapes of bodies in the plane, defined by a signed distance and by points along the surface. A
+   new shape is five functions, a row and an entry of the table at the end. */
 #include "shapes.h"
 
 /* ---- circle: cx, cy, r ---- */

@@ -1,7 +1,5 @@
-/*
-  Points on the surfaces of solids whose numbers cannot be told one by one: all points for a spacing
-  are computed when one is first asked for, and kept with the scene.
-*/
+/* Points on the surfaces of solids whose numbers cannot be told one by one: all points for a
+   spacing are computed when one is first asked for, and kept with the scene. */
 #include "curves.h"
 
 /* SolidCreate - Gives a body the data of a solid; returns NULL or a fault */

@@ -1,8 +1,7 @@
-/*
-  Shapes of bodies in space, defined as the shapes in the plane: by a signed distance and by points
-  on the surface, each of which represents an area of about dx^2. A prism along z has an outline,
-  which is a shape in the plane; it reaches through the whole box, but for a box, which has ends.
-*/
+/* Shapes of bodies in space, defined as the shapes in the plane: by a signed distance and by points
+   on the surface, each of which represents an area of about dx^2. A prism along z has an outline,
+   which is a shape in the plane; it reaches through the whole box, but for a box, which has
+   ends. */
 #include "shapes.h"
 
 /* Returns a product of numbers of points as a PetscInt; one that is too large for any run stays too
@@ -190,10 +189,8 @@ static PetscReal BallPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal
 
 /* ---- revolved: a polygon in the plane of the distance r from the axis z and of z ---- */
 
-/*
-  Adds the mirror image of a meridian that has a side on the axis, which is no surface: this side
-  lies then inside the polygon. Returns NULL or a fault.
-*/
+/* Adds the mirror image of a meridian that has a side on the axis, which is no surface: this side
+   lies then inside the polygon. Returns NULL or a fault. */
 static const char *MirrorMeridian(Body *body)
 {
   PetscReal     *c = body->parameter, *turned = c + body->n; /* room for the mirror image */

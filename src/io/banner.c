@@ -1,7 +1,5 @@
-/*
-  The banner: the first lines that a run prints. It shows the case, the chosen forms and their
-  publications, the physics left out, and the gain of implicit over explicit viscosity.
-*/
+/* The banner: the first lines that a run prints. It shows the case, the chosen forms and their
+   publications, the physics left out, and the gain of implicit over explicit viscosity. */
 #include "isph/solvers.h"
 #include "isph/io.h"
 
@@ -176,11 +174,9 @@ static PetscBool IsExplicit(const Scheme *scheme)
   return PETSC_FALSE;
 }
 
-/*
-  Compares implicit with explicit viscosity. Advection limits implicit steps (default CFL number),
-  and dt_explicit limits explicit steps. A solve costs about as much as another step, so implicit
-  steps below twice dt_explicit are no gain (results/implicit.md).
-*/
+/* Compares implicit with explicit viscosity. Advection limits implicit steps (default CFL number),
+   and dt_explicit limits explicit steps. A solve costs about as much as another step, so implicit
+   steps below twice dt_explicit are no gain (results/implicit.md). */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
 {
@@ -207,10 +203,8 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Warns about long steps of moving particles: in results/stability.md, runs of the cavity
-  ended early at CFL numbers of 1 and more if viscosity did not smooth the grid scale.
-*/
+/* Warns about long steps of moving particles: in results/stability.md, runs of the cavity ended
+   early at CFL numbers of 1 and more if viscosity did not smooth the grid scale. */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;

@@ -1,8 +1,6 @@
-/*
-  An HDF5 file that all ranks write or read together. Failures are collected while the file is open,
-  and all ranks report them when it is closed, so that no rank waits for the others after an error
-  such as a full disk.
-*/
+/* An HDF5 file that all ranks write or read together. Failures are collected while the file is
+   open, and all ranks report them when it is closed, so that no rank waits for the others after an
+   error such as a full disk. */
 #ifndef ISPH_HDF5FILE_H
 #define ISPH_HDF5FILE_H
 

@@ -1,8 +1,6 @@
-/*
-  The memory of a run, predicted before its particles exist: the memory of the program so far, and
-  for each fluid particle the figure of results/memory.md, of which a share grows with the
-  number of neighbours. Runs that their machines cannot hold are refused.
-*/
+/* The memory of a run, predicted before its particles exist: the memory of the program so far, and
+   for each fluid particle the figure of results/memory.md, of which a share grows with the number
+   of neighbours. Runs that their machines cannot hold are refused. */
 #include "isph/io.h"
 #include <stdio.h>
 #include <unistd.h>

@@ -1,7 +1,5 @@
-/*
-  The progress line: the finished share of the run, the state of the flow, the cost of a step and
-  the remaining time.
-*/
+/* The progress line: the finished share of the run, the state of the flow, the cost of a step and
+   the remaining time. */
 #include "isph/io.h"
 #include <unistd.h>
 
@@ -75,12 +73,9 @@ static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns the time that the rest of the run takes if the cost is in proportion to the number of
-  particles, which changes linearly from n to N in the share `done` and goes on in the share `rest`
-
-  Particles enter and leave through openings.
-*/
+/* Returns the time that the rest of the run takes if the cost is in proportion to the number of
+   particles, which changes linearly from n to N in the share `done` and goes on in the share
+   `rest`. Particles enter and leave through openings. */
 static PetscReal TimeLeft(PetscReal elapsed, PetscReal done, PetscReal rest, PetscReal n,
                           PetscReal N)
 {

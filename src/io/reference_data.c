@@ -1,14 +1,10 @@
-/*
-  Reference data: curves given by two columns of numbers in a CSV file.
-*/
+/* Reference data: curves given by two columns of numbers in a CSV file. */
 #include "isph/io.h"
 #include <stdlib.h>
 
-/*
-  Opens a file of the reference data. The environment variable ISPH_DATA names the directory. If it
-  is not set, the directory beside the program, the installation and the source tree are searched in
-  this order. Output: stream - NULL if the file was not found.
-*/
+/* Opens a file of the reference data. The environment variable ISPH_DATA names the directory. If it
+   is not set, the directory beside the program, the installation and the source tree are searched
+   in this order. Output: stream - NULL if the file was not found. */
 static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 {
   char              beside[PETSC_MAX_PATH_LEN];

@@ -1,7 +1,5 @@
-/*
-  The report: measured quantities, their errors against exact or published values, and the
-  comparison of errors with -check_<quantity>. reportfile.c writes the file of -report.
-*/
+/* The report: measured quantities, their errors against exact or published values, and the
+   comparison of errors with -check_<quantity>. reportfile.c writes the file of -report. */
 #include "isph/io.h"
 
 enum { REPORT, CHECK };

@@ -1,7 +1,5 @@
-/*
-  The CSV file of -report, to which each run appends a row for each quantity and time. Studies make
-  many runs with the same file, and evaluate it with a table program.
-*/
+/* The CSV file of -report, to which each run appends a row for each quantity and time. Studies make
+   many runs with the same file, and evaluate it with a table program. */
 #include "isph/solvers.h"
 #include "isph/io.h"
 #include <sys/resource.h>

@@ -1,8 +1,6 @@
-/*
-  Snapshots: each is an HDF5 file, which is written under another name and renamed when it is
-  complete. An index lists them for ParaView. Complete files stay readable even if the run is
-  killed.
-*/
+/* Snapshots: each is an HDF5 file, which is written under another name and renamed when it is
+   complete. An index lists them for ParaView. Complete files stay readable even if the run is
+   killed. */
 #include "snapshot.h"
 #include "isph/options.h"
 #include <string.h>
@@ -254,13 +252,10 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SnapshotsCount, SnapshotsGet, SnapshotsSet - Count, copy and restore the list of complete
-  snapshots for a checkpoint: number, time and number of particles of each
-
-  Not collective, except SnapshotsSet(). It omits files that do not exist, for example after a
-  restart with another -output.
-*/
+/* SnapshotsCount, SnapshotsGet, SnapshotsSet - Count, copy and restore the list of complete
+   snapshots for a checkpoint: number, time and number of particles of each. Not collective, except
+   SnapshotsSet(). It omits files that do not exist, for example after a restart with another
+   -output. */
 PetscInt SnapshotsCount(const Snapshots *snapshots)
 {
   return snapshots->n;

@@ -1,8 +1,6 @@
-/*
-  The fields of snapshots: values stored with particles, and vorticity, strain rate and density,
-  which are computed for the file. A new field needs a function and a row of the table. Wall
-  particles have zeros in fields of the fluid.
-*/
+/* The fields of snapshots: values stored with particles, and vorticity, strain rate and density,
+   which are computed for the file. A new field needs a function and a row of the table. Wall
+   particles have zeros in fields of the fluid. */
 #include "schemes/scalars/scalars.h"
 #include "snapshot.h"
 
@@ -97,10 +95,8 @@ static PetscErrorCode WallVelocities(const Particles *p, Vec walls[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the vorticity, w_e = du_b/dx_a - du_a/dx_b for (a, b, e) in cyclic order [1/s]; in 2D the
-  component out of the plane.
-*/
+/* Computes the vorticity, w_e = du_b/dx_a - du_a/dx_b for (a, b, e) in cyclic order [1/s]; in 2D
+   the component out of the plane. */
 static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
 {
   const Particles   *p       = flow->particles;

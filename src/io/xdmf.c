@@ -1,8 +1,6 @@
-/*
-  XDMF 3: a text file that describes the HDF5 files to ParaView as a time series of point clouds.
-  Each particle is a vertex of the list that vtkgroup.c writes. Vectors have three columns, as VTK
-  requires.
-*/
+/* XDMF 3: a text file that describes the HDF5 files to ParaView as a time series of point clouds.
+   Each particle is a vertex of the list that vtkgroup.c writes. Vectors have three columns, as VTK
+   requires. */
 #include "snapshot.h"
 
 #define XDMF_DOUBLE "NumberType=\"Float\" Precision=\"8\""

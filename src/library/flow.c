@@ -1,7 +1,5 @@
-/*
-  The life of a flow of include/isph.h: creation from options, steps, report. Each call makes the
-  options of the flow PETSc's own, and keeps the message of an error, until it returns.
-*/
+/* The life of a flow of include/isph.h: creation from options, steps, report. Each call makes the
+   options of the flow PETSc's own, and keeps the message of an error, until it returns. */
 #include "isph/cases.h"
 #include "isph/catalogue.h"
 #include "isph/patch.h"
@@ -46,8 +44,8 @@ PetscErrorCode CallBegin(IsphFlow f, CallNeed need)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CallEnd - Ends a call; returns its error after the caller's error handler has had it; collective
-   */
+/* CallEnd - Ends a call; returns its error after the caller's error handler has had it;
+   collective */
 PetscErrorCode CallEnd(IsphFlow f, PetscErrorCode failed)
 {
   if (--f->depth) return failed;

@@ -69,8 +69,8 @@ static PetscErrorCode PluginOpen(const char path[])
 
 /* PluginsOpen - Opens the shared objects of -library. Collective. To be called before any other
    option is read. Errors: refuses files that are no shared objects, have no symbol IsphPlugin, were
-   built for other structs, or have rows that are not complete or have names of the program's rows.
-   */
+   built for other structs, or have rows that are not complete or have names of the program's
+   rows. */
 PetscErrorCode PluginsOpen(void)
 {
   char path[PETSC_MAX_PATH_LEN], *next = path;

@@ -47,10 +47,8 @@ static PetscErrorCode Reserve(PetscInt dim, PetscInt n, CompactRows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns sum F/V_i of particle i to boundaries that give the velocity: 1/(2 d dx) at the distance
-  d < dx, so that 2 F is that of a cell beside a wall at d = dx/2
-*/
+/* Returns sum F/V_i of particle i to boundaries that give the velocity: 1/(2 d dx) at the distance
+   d < dx, so that 2 F is that of a cell beside a wall at d = dx/2 */
 static PetscReal WallConductance(const Flow *flow, PetscInt i)
 {
   const Scene     *scene = flow->scene;

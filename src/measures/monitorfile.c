@@ -1,7 +1,5 @@
-/*
-  CSV files of monitors: a header, then rows for each time. The file is flushed after the rows of
-  each time, so that a killed run keeps them.
-*/
+/* CSV files of monitors: a header, then rows for each time. The file is flushed after the rows of
+   each time, so that a killed run keeps them. */
 #include "monitors.h"
 #include <errno.h>
 #include <stdlib.h>
@@ -34,10 +32,8 @@ PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Copies the header and the rows up to time t to a new file, which replaces the old file and is
-  opened for appending. Returns false on failure; then the old file is unchanged.
-*/
+/* Copies the header and the rows up to time t to a new file, which replaces the old file and is
+   opened for appending. Returns false on failure; then the old file is unchanged. */
 static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 {
   char      part[PETSC_MAX_PATH_LEN + 8], line[1024];

@@ -1,7 +1,5 @@
-/*
-  Monitors: quantities measured in the course of a run. probemonitors.c and freemeasure.c define the
-  kinds of monitors; monitorfile.c writes their files.
-*/
+/* Monitors: quantities measured in the course of a run. probemonitors.c and freemeasure.c define
+   the kinds of monitors; monitorfile.c writes their files. */
 #include "monitors.h"
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */

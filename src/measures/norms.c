@@ -1,7 +1,5 @@
-/*
-  Quantities that cases share: errors at the particles against an exact solution, and integrals that
-  every case reports.
-*/
+/* Quantities that cases share: errors at the particles against an exact solution, and integrals
+   that every case reports. */
 #include "isph/io.h"
 
 /* Sums over all fluid particles, weighted by volume, for a single MPI reduction. The exact velocity
@@ -121,12 +119,10 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports the errors of the motion of graded particles: graded_volume, the sum of their volumes by
-  place before it is scaled to that of the fluid, its reference [m^dim]; graded_momentum [kg m/s]
-  and graded_energy [J], the sums over the run that vanish in the continuum (per metre of depth in
-  2D).
-*/
+/* Reports the errors of the motion of graded particles: graded_volume, the sum of their volumes by
+   place before it is scaled to that of the fluid, its reference [m^dim]; graded_momentum [kg m/s]
+   and graded_energy [J], the sums over the run that vanish in the continuum (per metre of depth in
+   2D). */
 static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
 {
   const Particles *p      = flow->particles;

@@ -1,12 +1,10 @@
 /* Monitors based on probes: points, lines, sections; forces on walls and bodies. */
 #include "monitors.h"
 
-/*
-  Writes a row with velocity and pressure for each of n points. After time and step follows the
-  given number or, if it is negative, the index of the point. The columns of velocity and pressure
-  are empty for points in bodies and outside a free surface. That of the pressure is also empty if
-  the run has none.
-*/
+/* Writes a row with velocity and pressure for each of n points. After time and step follows the
+   given number or, if it is negative, the index of the point. The columns of velocity and pressure
+   are empty for points in bodies and outside a free surface. That of the pressure is also empty if
+   the run has none. */
 static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
 {

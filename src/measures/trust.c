@@ -63,12 +63,9 @@ static PetscReal BalanceError(const Flow *flow)
   return most;
 }
 
-/*
-  Returns the speed to which errors are relative: that of the fluid, at least AT_REST of the speed
-  that its walls, its start and its force can give it, or of U
-
-  A fluid that is pushed has a velocity of its own to err from, however slow it is beside U.
-*/
+/* Returns the speed to which errors are relative: that of the fluid, at least AT_REST of the speed
+   that its walls, its start and its force can give it, or of U. A fluid that is pushed has a
+   velocity of its own to err from, however slow it is beside U. */
 static PetscReal ErrorScale(const Flow *flow)
 {
   const Scene      *scene  = flow->scene;
@@ -82,11 +79,10 @@ static PetscReal ErrorScale(const Flow *flow)
   return PetscMax(FlowRmsSpeed(flow), AT_REST * driven);
 }
 
-/*
-  Returns the error by sheared layers of a fluid that yields, at most 1: by those that are too thin,
-  of order dx^2 as the errors of the operators are, and in flows that forces drive by the error of
-  stresses, which is that of their balance: only the excess over the yield stress shears the fluid
-*/
+/* Returns the error by sheared layers of a fluid that yields, at most 1: by those that are too
+   thin, of order dx^2 as the errors of the operators are, and in flows that forces drive by the
+   error of stresses, which is that of their balance: only the excess over the yield stress shears
+   the fluid */
 static PetscReal LayerError(const Flow *flow, const Resolution *resolution)
 {
   const BalanceSheet *sheet = &flow->scheme->sheet;

@@ -1,9 +1,7 @@
-/*
-  Closes a surface of triangles at small holes and turns its parts outward. A hole gets the
-  triangles between its rim and the first corner of the rim. A part that is inside an odd number of
-  others is a cavity: its inside is fluid. Parts are counted by solid angles, A. Van Oosterom, J.
-  Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125-126.
-*/
+/* Closes a surface of triangles at small holes and turns its parts outward. A hole gets the
+   triangles between its rim and the first corner of the rim. A part that is inside an odd number of
+   others is a cavity: its inside is fluid. Parts are counted by solid angles, A. Van Oosterom, J.
+   Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125-126. */
 #include "mesh.h"
 
 #define LARGEST    0.01 /* area of all holes [area of the surface] */

@@ -1,7 +1,5 @@
-/*
-  Sides of triangles: neighbours across them, one orientation of all triangles of a part, triangles
-  without area, which are turned to the other diagonal, and parts that touch in one corner.
-*/
+/* Sides of triangles: neighbours across them, one orientation of all triangles of a part, triangles
+   without area, which are turned to the other diagonal, and parts that touch in one corner. */
 #include "mesh.h"
 #include <stdlib.h>
 

@@ -1,10 +1,9 @@
-/*
-  Points on a surface of triangles, about dx apart, by a centroidal partition: the surface is
-  divided into small pieces, each piece belongs to the nearest of the points whose normal is near to
-  its own, and each point moves to the middle of its pieces. Areas of points are those of their
-  pieces, so that their sum is the area of the surface. References: Q. Du, V. Faber, M. Gunzburger,
-  SIAM Rev. 41 (1999) 637-676; S. Valette, J.-M. Chassery, Comput. Graph. Forum 23 (2004) 381-389.
-*/
+/* Points on a surface of triangles, about dx apart, by a centroidal partition: the surface is
+   divided into small pieces, each piece belongs to the nearest of the points whose normal is near
+   to its own, and each point moves to the middle of its pieces. Areas of points are those of their
+   pieces, so that their sum is the area of the surface. References: Q. Du, V. Faber, M. Gunzburger,
+   SIAM Rev. 41 (1999) 637-676; S. Valette, J.-M. Chassery, Comput. Graph. Forum 23 (2004)
+   381-389. */
 #include "mesh.h"
 
 #define PIECES 4.0  /* pieces along dx */

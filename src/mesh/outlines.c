@@ -1,7 +1,5 @@
-/*
-  Outlines in the plane from files: CSV and WKT. They become polygons, or compounds of polygons
-  if there are several loops; a loop that is inside an odd number of others is a hole.
-*/
+/* Outlines in the plane from files: CSV and WKT. They become polygons, or compounds of polygons if
+   there are several loops; a loop that is inside an odd number of others is a hole. */
 #include "mesh.h"
 #include <string.h>
 

@@ -1,7 +1,5 @@
-/*
-  Reads files of shapes: the first rank reads and parses, and all ranks receive the numbers, or the
-  fault. Parsers stop at the first fault, and every number that they add is finite.
-*/
+/* Reads files of shapes: the first rank reads and parses, and all ranks receive the numbers, or the
+   fault. Parsers stop at the first fault, and every number that they add is finite. */
 #include "mesh.h"
 #include <ctype.h>
 #include <math.h>

@@ -1,7 +1,5 @@
-/*
-  Files of triangles: STL, binary or text, and OBJ. A binary STL file is known by its length,
-  because some of them begin with "solid", the first word of texts.
-*/
+/* Files of triangles: STL, binary or text, and OBJ. A binary STL file is known by its length,
+   because some of them begin with "solid", the first word of texts. */
 #include "mesh.h"
 #include <stdint.h>
 #include <string.h>

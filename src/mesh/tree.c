@@ -1,9 +1,7 @@
-/*
-  Distances from a surface of triangles by a tree of boxes. The sign is that of the pseudonormal of
-  the nearest feature: the normal of a face, the sum of two normals at a side, the sum of normals
-  weighted by their angles at a corner. It is right for every closed surface. Reference: J. A.
-  Baerentzen, H. Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243-253.
-*/
+/* Distances from a surface of triangles by a tree of boxes. The sign is that of the pseudonormal of
+   the nearest feature: the normal of a face, the sum of two normals at a side, the sum of normals
+   weighted by their angles at a corner. It is right for every closed surface. Reference: J. A.
+   Baerentzen, H. Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243-253. */
 #include "mesh.h"
 
 #define LEAF 4

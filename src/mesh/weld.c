@@ -1,8 +1,6 @@
-/*
-  Makes a closed surface of triangles that have no common corners yet: corners that are nearly at
-  one place become one, triangles with two equal corners, and second ones on the same corners, are
-  left out, and the surface is closed and checked.
-*/
+/* Makes a closed surface of triangles that have no common corners yet: corners that are nearly at
+   one place become one, triangles with two equal corners, and second ones on the same corners, are
+   left out, and the surface is closed and checked. */
 #include "mesh.h"
 #include <stdlib.h>
 

@@ -1,10 +1,8 @@
-/*
-  Fluid that returns through an outflow, as in an eddy that leaves the box, or where a pressure
-  drives it in. Moving particles leave a void behind them there. A particle enters before a wall
-  particle of the outflow if no fluid is within SPACE of its place and the fluid nearby moves into
-  the box; it has the mean values of that fluid, as n.grad u = 0 demands. The volume that enters is
-  thus that of the voids. With a free surface nothing returns: a void may be air.
-*/
+/* Fluid that returns through an outflow, as in an eddy that leaves the box, or where a pressure
+   drives it in. Moving particles leave a void behind them there. A particle enters before a wall
+   particle of the outflow if no fluid is within SPACE of its place and the fluid nearby moves into
+   the box; it has the mean values of that fluid, as n.grad u = 0 demands. The volume that enters is
+   thus that of the voids. With a free surface nothing returns: a void may be air. */
 #include "entrants.h"
 
 #define PLACE 0.35 /* distance of the place from the side [dx] */

@@ -1,7 +1,5 @@
-/*
-  The motion of bodies in a step: their poses follow the given velocity, and wall particles move
-  with them. Particles of the fluid then keep off the new surfaces.
-*/
+/* The motion of bodies in a step: their poses follow the given velocity, and wall particles move
+   with them. Particles of the fluid then keep off the new surfaces. */
 #include "isph/motion.h"
 
 #define NODES 3   /* of the rule of Gauss in a step */

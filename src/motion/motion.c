@@ -1,7 +1,5 @@
-/*
-  The motion of particles: with the flow (gradedmotion.c: along its streamlines), and by a small
-  shift that keeps them evenly spread. Taylor series give the change of their fields.
-*/
+/* The motion of particles: with the flow (gradedmotion.c: along its streamlines), and by a small
+   shift that keeps them evenly spread. Taylor series give the change of their fields. */
 #include "isph/motion.h"
 
 #define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
@@ -9,13 +7,11 @@
 #define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
 #define MOVE_MOST    0.6 /* displacement with the flow above which a step is undone [dx_i] */
 
-/*
-  Derivatives at the old positions, which give the change of the fields of a displaced particle:
-  the gradient of the pressure; with shifting also grad u and, if the viscous
-  operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
-  quadratic fit of u. Unneeded vectors are NULL. The displacements of rough particles from their
-  neighbours follow from the old positions too.
-*/
+/* Derivatives at the old positions, which give the change of the fields of a displaced particle:
+   the gradient of the pressure; with shifting also grad u and, if the viscous operator is a
+   Laplacian, lap u; with the velocity filter also grad u and the residual of a quadratic fit of u.
+   Unneeded vectors are NULL. The displacements of rough particles from their neighbours follow from
+   the old positions too. */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];

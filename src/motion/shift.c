@@ -1,7 +1,5 @@
-/*
-  Particle shifting: displacements in addition to the flow that keep particles evenly spread. A new
-  kind needs a function and a row. This file has the options of the motion.
-*/
+/* Particle shifting: displacements in addition to the flow that keep particles evenly spread. A new
+   kind needs a function and a row. This file has the options of the motion. */
 #include "isph/motion.h"
 
 /* ShiftStepFactor - Returns U dt/dx, but at least 1 and at most 2: so much longer are the longest

@@ -1,10 +1,8 @@
-/*
-  Products of operators with fields. A product reads the values of neighbours by their local index,
-  so it needs no matrix: the values of a field are copied to the halo once, and the rows of all
-  operators on this field are applied in one pass over the neighbours. Equal rows of a lattice whose
-  neighbours follow each other are applied together. Operators that a wall
-  treatment extends, or that couple components, are products with their matrices.
-*/
+/* Products of operators with fields. A product reads the values of neighbours by their local index,
+   so it needs no matrix: the values of a field are copied to the halo once, and the rows of all
+   operators on this field are applied in one pass over the neighbours. Equal rows of a lattice
+   whose neighbours follow each other are applied together. Operators that a wall treatment extends,
+   or that couple components, are products with their matrices. */
 #include "fitted.h"
 
 /* Collects the values of fields by local index, halo included, those of a particle one after

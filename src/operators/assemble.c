@@ -1,8 +1,6 @@
-/*
-  Assembly of the matrices. A loop over the fluid particles gathers the stencil of each particle,
-  computes the particle's row of every operator, and stores the weights of fluid and wall neighbours
-  in arrays that share a sparsity pattern.
-*/
+/* Assembly of the matrices. A loop over the fluid particles gathers the stencil of each particle,
+   computes the particle's row of every operator, and stores the weights of fluid and wall
+   neighbours in arrays that share a sparsity pattern. */
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "fitted.h"

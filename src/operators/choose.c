@@ -1,7 +1,5 @@
-/*
-  Choice of the discretisation in space. Options select table rows, the declared properties of forms
-  decide the defaults, and combinations that cannot work are refused.
-*/
+/* Choice of the discretisation in space. Options select table rows, the declared properties of
+   forms decide the defaults, and combinations that cannot work are refused. */
 #include "choose.h"
 #include "isph/strain.h"
 #include "rows/rows.h"

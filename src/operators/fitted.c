@@ -1,10 +1,8 @@
-/*
-  Rows that no array stores. If particles move, the gradients and the filter of the velocity are
-  applied once in a step, so the rows of a particle are not worth their memory. Its coefficients in
-  the fit are kept instead, see (240) to (242) in theory.md: a product sums the moments of the
-  field over the neighbours, and multiplies them by these coefficients. The moments serve all rows
-  of a particle. Neighbours have the weights and the offsets of the assembly, computed anew.
-*/
+/* Rows that no array stores. If particles move, the gradients and the filter of the velocity are
+   applied once in a step, so the rows of a particle are not worth their memory. Its coefficients in
+   the fit are kept instead, see (240) to (242) in theory.md: a product sums the moments of the
+   field over the neighbours, and multiplies them by these coefficients. The moments serve all rows
+   of a particle. Neighbours have the weights and the offsets of the assembly, computed anew. */
 #include "fitted.h"
 #include "fits/lanemonomials.h"
 

@@ -1,7 +1,5 @@
-/*
-  Operators of a run: creation for given needs, placement of walls, destruction. For their choice
-  see choose.c, for their assembly assemble.c, for their products apply.c.
-*/
+/* Operators of a run: creation for given needs, placement of walls, destruction. For their choice
+   see choose.c, for their assembly assemble.c, for their products apply.c. */
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "choose.h"
@@ -105,11 +103,9 @@ static void ShareAllRows(Operators *ops)
   }
 }
 
-/*
-  Decides if rows of particles that do not move are stored once where they repeat: all operators are
-  products by rows, and a row depends on the places of its neighbours only. The pressure then has no
-  matrix; AffineSystemCreate() makes it while a solver needs it.
-*/
+/* Decides if rows of particles that do not move are stored once where they repeat: all operators
+   are products by rows, and a row depends on the places of its neighbours only. The pressure then
+   has no matrix; AffineSystemCreate() makes it while a solver needs it. */
 static void ChooseRows(const Scene *scene, Operators *ops)
 {
   const LaplacianForm *const form[] = {&ops->forms.visc, &ops->forms.ppe};
@@ -138,11 +134,9 @@ static PetscBool GradientsAreProducts(const Operators *ops)
   return ops->velocity[0].grad_u[0].needed;
 }
 
-/*
-  Decides if products make the rows of gradients and filters from fits: those of particles that
-  move, without free surfaces, where rows have other equations. Beside walls the operators of
-  several quantities have different equations, and their rows are stored.
-*/
+/* Decides if products make the rows of gradients and filters from fits: those of particles that
+   move, without free surfaces, where rows have other equations. Beside walls the operators of
+   several quantities have different equations, and their rows are stored. */
 static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
 {
   const PetscBool filters  = ops->forms.degree % 2 == 0;

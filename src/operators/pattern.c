@@ -1,8 +1,6 @@
-/*
-  The sparsity pattern that all operators share, and the matrices on it. All operators have the same
-  neighbours. So the columns of a row are sorted once, and every operator writes its values to the
-  same slots: positions in the arrays of values.
-*/
+/* The sparsity pattern that all operators share, and the matrices on it. All operators have the
+   same neighbours. So the columns of a row are sorted once, and every operator writes its values to
+   the same slots: positions in the arrays of values. */
 #include "isph/operators.h"
 
 /* PatternBegin - Empties a pattern and allocates room for rows. Input: has_columns - the global
@@ -199,8 +197,8 @@ PetscErrorCode PatternMatSet(const SparseRows *rows, Mat A)
 /* PatternBlocks - Creates a matrix of dim x dim blocks on a pattern, with zeros. Collective.
    Component b of particle j is unknown number dim j + b. The entries of a slot in each of the dim
    rows of a particle follow each other, and columns ascend. Input: entries - of a slot in a row:
-   dim, or 1 if blocks are diagonal; columns - number of own particles that the columns stand for.
-   */
+   dim, or 1 if blocks are diagonal; columns - number of own particles that the columns stand
+   for. */
 PetscErrorCode PatternBlocks(const Particles *p, PetscInt entries, const Pattern *pattern,
                              PetscInt columns, Mat *A)
 {

@@ -1,9 +1,7 @@
-/*
-  Rows that repeat, and runs of them. Particles on a lattice have neighbours at the same offsets, in
-  the same places before a plane wall, so their rows have the same weights to rounding, and are
-  stored once. Rows are compared by all that they depend on: offsets, volumes, the order of columns,
-  and the boundaries of wall neighbours.
-*/
+/* Rows that repeat, and runs of them. Particles on a lattice have neighbours at the same offsets,
+   in the same places before a plane wall, so their rows have the same weights to rounding, and are
+   stored once. Rows are compared by all that they depend on: offsets, volumes, the order of
+   columns, and the boundaries of wall neighbours. */
 #include "rows/assembly.h"
 
 #define STEPS    1024.0 /* of offsets for the search, in a spacing */

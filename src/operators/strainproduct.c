@@ -1,7 +1,5 @@
-/*
-  Products with the viscous matrix of strainmatrix.c without its entries, cell by cell. In space a
-  row would have the velocities of all particles within six spacings.
-*/
+/* Products with the viscous matrix of strainmatrix.c without its entries, cell by cell. In space a
+   row would have the velocities of all particles within six spacings. */
 #include "isph/operators.h"
 #include "isph/strain.h"
 

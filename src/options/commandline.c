@@ -1,7 +1,5 @@
-/*
-  The command line and the environment before PETSc reads them: requests that need no run, and words
-  that PETSc would ignore or answer with a traceback.
-*/
+/* The command line and the environment before PETSc reads them: requests that need no run, and
+   words that PETSc would ignore or answer with a traceback. */
 #include "optionsfile.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,7 @@
-/*
-  Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file owns
-  the parser handles, splits texts into components, and turns parser errors into messages of a
-  single line. Plain numbers need no parser. && and || are operators of this file: muParser's own
-  convert constant operands to int, so 0.5 && 1 is 0 and 41e30 is out of range.
-*/
+/* Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file
+   owns the parser handles, splits texts into components, and turns parser errors into messages of a
+   single line. Plain numbers need no parser. && and || are operators of this file: muParser's own
+   convert constant operands to int, so 0.5 && 1 is 0 and 41e30 is out of range. */
 #include "isph/options.h"
 #include <muParserDLL.h>
 #include <stdlib.h>

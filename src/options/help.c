@@ -1,7 +1,5 @@
-/*
-  Texts about options: usage, -help and the reference page. All but the usage come from the tables
-  of options. The versions of the program and of libraries that may influence its numbers.
-*/
+/* Texts about options: usage, -help and the reference page. All but the usage come from the tables
+   of options. The versions of the program and of libraries that may influence its numbers. */
 #include "commit.h"
 #include "isph/options.h"
 #include <hdf5.h>

@@ -1,7 +1,5 @@
-/*
-  Names of options: search in all tables, and the known name nearest to a misspelt one. main() hands
-  in the tables, because those of later stages stand above this folder.
-*/
+/* Names of options: search in all tables, and the known name nearest to a misspelt one. main()
+   hands in the tables, because those of later stages stand above this folder. */
 #include "isph/options.h"
 #include <ctype.h>
 #include <string.h>
@@ -106,10 +104,9 @@ void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH]
   OptionFill(pattern, number, name, row);
 }
 
-/*
-  Returns the distance of two words of fewer than OPTION_LENGTH letters, by optimal string
-  alignment: the least number of letters to insert, delete, replace or exchange with a neighbour.
-*/
+/* Returns the distance of two words of fewer than OPTION_LENGTH letters, by optimal string
+   alignment: the least number of letters to insert, delete, replace or exchange with a
+   neighbour. */
 static PetscInt WordDistance(const char a[], const char b[])
 {
   PetscInt row[3][OPTION_LENGTH] = {{0}};

@@ -1,7 +1,5 @@
-/*
-  Readers of options. PETSc keeps the database. Rows of tables give name, range and default; a value
-  that they do not allow ends the run with one line.
-*/
+/* Readers of options. PETSc keeps the database. Rows of tables give name, range and default; a
+   value that they do not allow ends the run with one line. */
 #include "isph/options.h"
 #include <errno.h>
 #include <stdlib.h>

@@ -1,9 +1,7 @@
-/*
-  Options files, checked before PETSc reads them: a mistake ends the run with a line that names the
-  file and the line. Each option with its value has a line; # begins a comment; values with blanks
-  need double quotes; -options_file includes another file. YAML, prefixes, aliases and names of
-  variables, which PETSc would read too, are refused.
-*/
+/* Options files, checked before PETSc reads them: a mistake ends the run with a line that names the
+   file and the line. Each option with its value has a line; # begins a comment; values with blanks
+   need double quotes; -options_file includes another file. YAML, prefixes, aliases and names of
+   variables, which PETSc would read too, are refused. */
 #include "optionsfile.h"
 #include <ctype.h>
 #include <errno.h>

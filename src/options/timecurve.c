@@ -1,8 +1,6 @@
-/*
-  Functions of time through given values, as positions of a body from a file: a cubic between two
-  values, with slopes that make it continuous and monotone where the values are, so that a body at
-  rest stays at rest until its first row that moves.
-*/
+/* Functions of time through given values, as positions of a body from a file: a cubic between two
+   values, with slopes that make it continuous and monotone where the values are, so that a body at
+   rest stays at rest until its first row that moves. */
 #include "isph/options.h"
 
 /* Returns a slope limited to twice the least of two differences of the same sign; 0 if the signs

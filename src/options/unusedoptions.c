@@ -1,6 +1,4 @@
-/*
-  Refuses options that nothing has read: a misspelt option must not be a silent default.
-*/
+/* Refuses options that nothing has read: a misspelt option must not be a silent default. */
 #include "isph/options.h"
 #include <string.h>
 

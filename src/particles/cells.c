@@ -1,7 +1,5 @@
-/*
-  A uniform grid of cells over local particles, built by counting sort. Positions are copied in the
-  order of the cells, so that a search reads contiguous memory.
-*/
+/* A uniform grid of cells over local particles, built by counting sort. Positions are copied in the
+   order of the cells, so that a search reads contiguous memory. */
 #include "impl.h"
 
 /* Returns the index along axis a of the cell at coordinate x, or of the nearest cell if x is

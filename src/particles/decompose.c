@@ -1,9 +1,8 @@
-/*
-  Recursive coordinate bisection: groups of ranks and their regions of space are halved until each
-  rank has a box. All boxes then hold about the same work of fluid particles. Histograms of it over
-  positions, summed over ranks, determine the cuts of all groups of a level together; no particle
-  migrates before all cuts are known. The work is counted, not timed, so that a run can be repeated.
-*/
+/* Recursive coordinate bisection: groups of ranks and their regions of space are halved until each
+   rank has a box. All boxes then hold about the same work of fluid particles. Histograms of it over
+   positions, summed over ranks, determine the cuts of all groups of a level together; no particle
+   migrates before all cuts are known. The work is counted, not timed, so that a run can be
+   repeated. */
 #include "impl.h"
 
 #define BISECT_BINS      64   /* of one round's histogram */

@@ -1,6 +1,4 @@
-/*
-  Epochs: the criterion for the end of an epoch, and the work at the start of the next epoch.
-*/
+/* Epochs: the criterion for the end of an epoch, and the work at the start of the next epoch. */
 #include "impl.h"
 
 /* ParticlesLargestMove - Computes the largest displacement of a particle on any rank [m].

@@ -1,7 +1,5 @@
-/*
-  Exchange of items between ranks when receivers do not know the senders, for migration and for
-  halos. Ranks without common items do not communicate.
-*/
+/* Exchange of items between ranks when receivers do not know the senders, for migration and for
+   halos. Ranks without common items do not communicate. */
 #include "impl.h"
 
 /* Sends each receiver the number of its items. Output: source - sending ranks, ascending; n_from -

@@ -1,8 +1,6 @@
-/*
-  Halos: copies of particles of other ranks, and of own particles as periodic images, within
-  reach = halo_width + skin of the box of a rank. Within an epoch the list is constant, and a
-  PetscSF transports values from owners (roots) to copies (leaves).
-*/
+/* Halos: copies of particles of other ranks, and of own particles as periodic images, within reach
+   = halo_width + skin of the box of a rank. Within an epoch the list is constant, and a PetscSF
+   transports values from owners (roots) to copies (leaves). */
 #include "impl.h"
 
 /* A copy that a rank needs: local index of the particle at its owner, and shift in periods. */

@@ -1,7 +1,5 @@
-/*
-  Migration of particles to their owners, and sorting of own particles. A particle that leaves is
-  sent as a record; particles that stay and received records are sorted together.
-*/
+/* Migration of particles to their owners, and sorting of own particles. A particle that leaves is
+   sent as a record; particles that stay and received records are sorted together. */
 #include "impl.h"
 
 /* The own particles to be: those that stay, by their local indices, followed by records. */
@@ -81,12 +79,10 @@ static int CompareKeys(const void *a, const void *b)
   return (k->id > l->id) - (k->id < l->id);
 }
 
-/*
-  Sorts items by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
-  and begin at the corner of the scene's box, so that the order of two particles does not depend on
-  their owners. Particles that stay on a lattice have the order of their ids, along its lines, in
-  which products of operators take several rows at a time. Field 0 of a record is x.
-*/
+/* Sorts items by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
+   and begin at the corner of the scene's box, so that the order of two particles does not depend on
+   their owners. Particles that stay on a lattice have the order of their ids, along its lines, in
+   which products of operators take several rows at a time. Field 0 of a record is x. */
 static PetscErrorCode SortItems(const Scene *scene, const Particles *p, const Items *items,
                                 SortKey **keys)
 {

@@ -1,7 +1,5 @@
-/*
-  Lists of neighbours: a row for each own fluid particle. If particles move little in a step, the
-  search radius has a margin, and rows are kept until displacements use it up.
-*/
+/* Lists of neighbours: a row for each own fluid particle. If particles move little in a step, the
+   search radius has a margin, and rows are kept until displacements use it up. */
 #include "impl.h"
 
 #define MARGIN_LARGEST 0.15        /* of the radius */

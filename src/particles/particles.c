@@ -1,8 +1,6 @@
-/*
-  Creation and destruction of particles, their sizes, and random numbers by their ids. Every array
-  with values of particles is a registered field, so that migration and sorting treat all arrays
-  alike.
-*/
+/* Creation and destruction of particles, their sizes, and random numbers by their ids. Every array
+   with values of particles is a registered field, so that migration and sorting treat all arrays
+   alike. */
 #include "impl.h"
 
 static const OptionRow options[] = {

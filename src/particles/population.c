@@ -1,7 +1,5 @@
-/*
-  Functions that restore, replace, insert and remove particles. All except ParticlesUnpack() start
-  an epoch; other modules then renew the values that they keep for each particle.
-*/
+/* Functions that restore, replace, insert and remove particles. All except ParticlesUnpack() start
+   an epoch; other modules then renew the values that they keep for each particle. */
 #include "impl.h"
 
 /* ParticlesUnpack - Restores fields of own particles from records packed in the present epoch.

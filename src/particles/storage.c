@@ -1,7 +1,5 @@
-/*
-  Storage of particles: arrays that grow together, fields registered by other modules, and records
-  for communication and files.
-*/
+/* Storage of particles: arrays that grow together, fields registered by other modules, and records
+   for communication and files. */
 #include "impl.h"
 
 /* ParticlesReserve - Reserves room for n particles, own and halo, in every array, and keeps values.

@@ -1,14 +1,10 @@
-/*
-  Fields of patch tests with their exact Laplacians, as functions of x in the unit square or cube. A
-  new field needs two functions and a row of the table.
-*/
+/* Fields of patch tests with their exact Laplacians, as functions of x in the unit square or cube.
+   A new field needs two functions and a row of the table. */
 #include "isph/patch.h"
 
-/*
-  Sums all monomials c x^i y^j z^k of the row's degrees or, if `laplacian`, their Laplacians.
-  The coefficients c are 1, 1/2, 1/3, ... in the order of the monomials, or random numbers in
-  (-1, 1) that follow from the seed.
-*/
+/* Sums all monomials c x^i y^j z^k of the row's degrees or, if `laplacian`, their Laplacians. The
+   coefficients c are 1, 1/2, 1/3, ... in the order of the monomials, or random numbers in (-1, 1)
+   that follow from the seed. */
 static PetscReal PolynomialSum(const FieldRow *row, PetscInt dim, PetscInt seed,
                                const PetscReal x[], PetscBool laplacian)
 {

@@ -1,7 +1,5 @@
-/*
-  Runs a patch test: sets a field on particles in a box and around it, compares the Laplacian of a
-  form with the exact Laplacian, and measures its cost.
-*/
+/* Runs a patch test: sets a field on particles in a box and around it, compares the Laplacian of a
+   form with the exact Laplacian, and measures its cost. */
 #include "isph/start.h"
 #include "isph/patch.h"
 
@@ -91,11 +89,9 @@ static PetscErrorCode PatchSetField(Patch *patch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the truncation error L f - lap f in three relative norms, and zheng_err, the relative L1
-  norm divided by the number of particles, as Zheng, Ma & Shao (2018) print it. If the exact lap f
-  is zero, the error is absolute, in units of the field divided by the square of the side.
-*/
+/* Computes the truncation error L f - lap f in three relative norms, and zheng_err, the relative L1
+   norm divided by the number of particles, as Zheng, Ma & Shao (2018) print it. If the exact lap f
+   is zero, the error is absolute, in units of the field divided by the square of the side. */
 static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
 {
   const NormType    type[3] = {NORM_1, NORM_2, NORM_INFINITY};

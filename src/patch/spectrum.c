@@ -1,7 +1,5 @@
-/*
-  Eigenvalues and condition number of the matrix of -L dx^2, where L is the Laplacian in a box with
-  given values around it.
-*/
+/* Eigenvalues and condition number of the matrix of -L dx^2, where L is the Laplacian in a box with
+   given values around it. */
 #include "isph/patch.h"
 
 #define SPECTRUM_MOST 1000 /* rows, of whose matrix LAPACK computes all eigenvalues */

@@ -1,7 +1,5 @@
-/*
-  Particle concentration and its gradient, for shifting and for the pressure source of -ppe_alpha
-  after Zheng, Ma & Shao (2018).
-*/
+/* Particle concentration and its gradient, for shifting and for the pressure source of -ppe_alpha
+   after Zheng, Ma & Shao (2018). */
 #include "rows.h"
 
 #define GROUP  64 /* particles whose images are treated together */

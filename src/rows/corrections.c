@@ -1,7 +1,6 @@
-/*
-  Corrections of the kernel for pairwise Laplacians, which read only its derivatives along the pair,
-  W' and W''. A correction replaces both for each neighbour of a particle. Notation: laplacians.c.
-*/
+/* Corrections of the kernel for pairwise Laplacians, which read only its derivatives along the
+   pair, W' and W''. A correction replaces both for each neighbour of a particle. Notation:
+   laplacians.c. */
 #include "rows.h"
 
 /*

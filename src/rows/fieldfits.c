@@ -1,8 +1,6 @@
-/*
-  Gradients of fields by fits of a degree of their own, and the difference between those of the
-  quadratic and of the cubic fit of a velocity. They share no row with the operators of a run, and
-  tell how far these can be trusted.
-*/
+/* Gradients of fields by fits of a degree of their own, and the difference between those of the
+   quadratic and of the cubic fit of a velocity. They share no row with the operators of a run, and
+   tell how far these can be trusted. */
 #include "assembly.h"
 #include "rows.h"
 
@@ -26,13 +24,10 @@ static void MoveToSurface(const Particles *p, const Operators *ops, Stencil *st)
   }
 }
 
-/*
-  Leaves neighbours out of the fits of a stencil, or lowers their weights, by the kind of field
-
-  Fits of a velocity beside another fluid are one-sided, because it has a kink at the interface.
-  Stresses are continuous across it along its normal, but those of a stiff fluid are less certain by
-  the ratio of the viscosities; fits from the fluid alone have no wall neighbours.
-*/
+/* Leaves neighbours out of the fits of a stencil, or lowers their weights, by the kind of field.
+   Fits of a velocity beside another fluid are one-sided, because it has a kink at the interface.
+   Stresses are continuous across it along its normal, but those of a stiff fluid are less certain
+   by the ratio of the viscosities; fits from the fluid alone have no wall neighbours. */
 static void SelectNeighbors(const Particles *p, FieldKind kind, Stencil *st)
 {
   for (PetscInt k = 0; k < st->n; k++) {

@@ -1,7 +1,5 @@
-/*
-  Declared properties of forms, and the weights of the chosen Laplacian, with or without correction
-  of the kernel, and for a varying viscosity.
-*/
+/* Declared properties of forms, and the weights of the chosen Laplacian, with or without correction
+   of the kernel, and for a varying viscosity. */
 #include "assembly.h"
 #include "rows.h"
 

@@ -1,7 +1,5 @@
-/*
-  The stencil of a particle: its neighbours within the support, with the data of walls and of free
-  surfaces that rows read. Assembly and streams gather it for each particle.
-*/
+/* The stencil of a particle: its neighbours within the support, with the data of walls and of free
+   surfaces that rows read. Assembly and streams gather it for each particle. */
 #include "assembly.h"
 #include "rows.h"
 

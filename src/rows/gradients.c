@@ -1,7 +1,5 @@
-/*
-  Gradients as weighted sums of differences f_j - f_i, and their table; divergences use the same
-  weights. A new gradient needs a row function and a table row here.
-*/
+/* Gradients as weighted sums of differences f_j - f_i, and their table; divergences use the same
+   weights. A new gradient needs a row function and a table row here. */
 #include "rows.h"
 
 /*

@@ -1,8 +1,6 @@
-/*
-  The viscous stress by second derivatives of the kernel, with or without Shepard's correction. Of
-  these forms the published one damps uniform velocities, and the others amplify some velocities, so
-  they serve for comparison only. Notation: laplacians.c.
-*/
+/* The viscous stress by second derivatives of the kernel, with or without Shepard's correction. Of
+   these forms the published one damps uniform velocities, and the others amplify some velocities,
+   so they serve for comparison only. Notation: laplacians.c. */
 #include "rows.h"
 
 /* Sums of kernels over a stencil, with the particle itself. */

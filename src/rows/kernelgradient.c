@@ -1,8 +1,6 @@
-/*
-  The gradient of the kernel as a vector, with the corrections of -correction. Forms that couple
-  velocity components need its direction, which a correction turns away from the pair. Notation:
-  laplacians.c.
-*/
+/* The gradient of the kernel as a vector, with the corrections of -correction. Forms that couple
+   velocity components need its direction, which a correction turns away from the pair. Notation:
+   laplacians.c. */
 #include "rows.h"
 
 /* Computes c_k = V_k grad_i W, and M = sum_k c_k X^T on the way; inlined for each dimension. */

@@ -1,8 +1,6 @@
-/*
-  Laplacians of a scalar as weighted sums of differences f_j - f_i, and their table. A new form
-  needs a row function and a table row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0,
-  grad_i W = -(X/r) W', and d dimensions.
-*/
+/* Laplacians of a scalar as weighted sums of differences f_j - f_i, and their table. A new form
+   needs a row function and a table row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0,
+   grad_i W = -(X/r) W', and d dimensions. */
 #include "rows.h"
 
 /* Computes the weights of LaplacianRow_Morris(). Tables hold no function that has two versions: its

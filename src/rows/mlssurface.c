@@ -159,13 +159,11 @@ static ISPH_INLINE PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscInt degr
   return PETSC_TRUE;
 }
 
-/*
-  Returns true if the pressure p = 2 mu n.E n holds the surface particle. Its own motion along n has
-  a share of 2 n.E n near that of a difference to the fluid beneath: 5/R to 9/R on even and
-  disordered surfaces, with sums of absolute weights of 15/R to 35/R. If particles crowd on the
-  surface, one may lie below the others. Its share is small or negative then, and its pressure
-  drives it further in the direction in which it moves.
-*/
+/* Returns true if the pressure p = 2 mu n.E n holds the surface particle. Its own motion along n
+   has a share of 2 n.E n near that of a difference to the fluid beneath: 5/R to 9/R on even and
+   disordered surfaces, with sums of absolute weights of 15/R to 35/R. If particles crowd on the
+   surface, one may lie below the others. Its share is small or negative then, and its pressure
+   drives it further in the direction in which it moves. */
 static PetscBool HoldsSurface(const Stencil *st)
 {
   PetscReal share = 0.0, sum = 0.0;

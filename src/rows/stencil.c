@@ -1,6 +1,4 @@
-/*
-  Storage of the stencil of a particle. GatherStencil() fills it, and row functions read it.
-*/
+/* Storage of the stencil of a particle. GatherStencil() fills it, and row functions read it. */
 #include "isph/rows.h"
 
 /* StencilCreate - Creates an empty stencil */

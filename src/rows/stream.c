@@ -1,7 +1,5 @@
-/*
-  Rows as streams: a scheme that needs each row once gathers the stencils itself and adds up the
-  terms of its equations, without storing rows or matrices.
-*/
+/* Rows as streams: a scheme that needs each row once gathers the stencils itself and adds up the
+   terms of its equations, without storing rows or matrices. */
 #include "assembly.h"
 
 /* OperatorsStream - Gathers the stencil of each own fluid particle and calls a function with it.

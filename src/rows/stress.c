@@ -1,10 +1,8 @@
-/*
-  The divergence of the viscous stress as a sum of forces between pairs of particles, along the line
-  that joins them. The strengths of the forces are those of least squares (stress_mls) or of a
-  kernel (pairwise_stress). A rigid motion has no force (to rounding) for any viscosities, so
-  truncation errors do not accelerate a very viscous drop that rotates in a fluid of low viscosity.
-  See theory.md, (67) to (71) and (148) to (150).
-*/
+/* The divergence of the viscous stress as a sum of forces between pairs of particles, along the
+   line that joins them. The strengths of the forces are those of least squares (stress_mls) or of a
+   kernel (pairwise_stress). A rigid motion has no force (to rounding) for any viscosities, so
+   truncation errors do not accelerate a very viscous drop that rotates in a fluid of low viscosity.
+   See theory.md, (67) to (71) and (148) to (150). */
 #include "fits/mls.h"
 #include "rows.h"
 

@@ -1,8 +1,6 @@
-/*
-  Checkpoints: the state of a run in an HDF5 file, written under another name and renamed when it is
-  complete. A checkpoint starts an epoch in the run itself, so that this run and a run restarted
-  from the file are bitwise equal on the same number of ranks.
-*/
+/* Checkpoints: the state of a run in an HDF5 file, written under another name and renamed when it
+   is complete. A checkpoint starts an epoch in the run itself, so that this run and a run restarted
+   from the file are bitwise equal on the same number of ranks. */
 #include "checkpoint.h"
 
 enum { CHECKPOINT, CHECKPOINT_EVERY, RESTART };

@@ -1,7 +1,5 @@
-/*
-  Names of the files that a run writes or reads: two options must not lead to the same file, those
-  of PETSc's viewers included, and a checkpoint does not replace a file of another kind.
-*/
+/* Names of the files that a run writes or reads: two options must not lead to the same file, those
+   of PETSc's viewers included, and a checkpoint does not replace a file of another kind. */
 #include "impl.h"
 #include "io/hdf5file.h"
 #include <fnmatch.h>

@@ -18,11 +18,9 @@ typedef struct {
   PetscBool  whole; /* the checksum is right */
 } Stored;
 
-/*
-  Reads a table on all ranks and adds it to the checksum. A wrong number of rows or columns, or
-  values that are not in the file, mark the file as failed. At least a row is allocated, with zeros
-  if the table cannot be read.
-*/
+/* Reads a table on all ranks and adds it to the checksum. A wrong number of rows or columns, or
+   values that are not in the file, mark the file as failed. At least a row is allocated, with zeros
+   if the table cannot be read. */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)
 {

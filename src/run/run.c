@@ -1,16 +1,12 @@
-/*
-  The run of a flow: creation of its parts, a step with the output after it, and the report at the
-  end, which is also written after a failure.
-*/
+/* The run of a flow: creation of its parts, a step with the output after it, and the report at the
+   end, which is also written after a failure. */
 #include "isph/start.h"
 #include "impl.h"
 
 #define FIND_PASSES 10 /* after which given fluids have their interfaces */
 
-/*
-  Registers the stages of a run for -log_view. Without a log all stages are the main stage, because
-  PETSc gives each stage a record of 0.2 MB.
-*/
+/* Registers the stages of a run for -log_view. Without a log all stages are the main stage, because
+   PETSc gives each stage a record of 0.2 MB. */
 static PetscErrorCode RegisterStages(Run *run)
 {
   const char *const names[RUN_STAGES] = {

@@ -1,8 +1,6 @@
-/*
-  Bodies of a scene, and regions with the same shapes: set from numbers or typed in numbered
-  options, as -scene_body_1 circle,0.5,0.5,0.25; distances from them, with periodic images, for
-  fluid on either side of the surface.
-*/
+/* Bodies of a scene, and regions with the same shapes: set from numbers or typed in numbered
+   options, as -scene_body_1 circle,0.5,0.5,0.25; distances from them, with periodic images, for
+   fluid on either side of the surface. */
 #include "geometry/shapes.h"
 #include "isph/scene.h"
 #include <stdlib.h>
@@ -238,12 +236,10 @@ const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
   return scene->dim == 2 ? body->shape : body->shape->outline;
 }
 
-/*
-  Returns the signed distance of x from the nearest periodic image of a body, positive outside its
-  outline, also for a body around the fluid [m]; one that is certainly larger than `most` may be any
-  larger number, without outputs. Output: y - place of x relative to that
-  image, in the body as typed; normal - out of the outline, of the body as it is.
-*/
+/* Returns the signed distance of x from the nearest periodic image of a body, positive outside its
+   outline, also for a body around the fluid [m]; one that is certainly larger than `most` may be
+   any larger number, without outputs. Output: y - place of x relative to that image, in the body as
+   typed; normal - out of the outline, of the body as it is. */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal most, PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
 {

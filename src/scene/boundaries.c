@@ -1,8 +1,6 @@
-/*
-  Boundaries of the fluid: the table of their kinds, and the functions that answer questions about
-  them and give their data; distances are in distances.c. The sides of the box have the numbers
-  2 axis + (0 low, 1 high); the bodies follow.
-*/
+/* Boundaries of the fluid: the table of their kinds, and the functions that answer questions about
+   them and give their data; distances are in distances.c. The sides of the box have the numbers 2
+   axis + (0 low, 1 high); the bodies follow. */
 #include "isph/scene.h"
 
 #define SURFACE_STEP 1e-4 /* along a surface, for its curvature [dx] */

@@ -1,7 +1,5 @@
-/*
-  Distances of places from the boundaries of the scene: the nearest boundary, tangent planes, the
-  least distance of particles from walls, and the parts of surfaces that are buried in others.
-*/
+/* Distances of places from the boundaries of the scene: the nearest boundary, tangent planes, the
+   least distance of particles from walls, and the parts of surfaces that are buried in others. */
 #include "isph/scene.h"
 
 #define SAME_WAY 0.999 /* cosine of the angle between normals of two surfaces in a place */

@@ -1,7 +1,5 @@
-/*
-  Viscosity that varies in space: fluids in regions of the scene, or a function of place. A particle
-  takes the viscosity at its first position and keeps it.
-*/
+/* Viscosity that varies in space: fluids in regions of the scene, or a function of place. A
+   particle takes the viscosity at its first position and keeps it. */
 #include "isph/scene.h"
 
 #define SAMPLES 8    /* along each side of a particle's cell */
@@ -147,14 +145,11 @@ static PetscReal NearestPoint(const Scene *scene, const InterfacePoints *points,
   return PetscSqrtReal(best);
 }
 
-/*
-  Returns the distance of x from the interface on the border of region k, at most `most` [m].
-  Output: normal - from the interface to x.
-
-  The nearest point of the border need not be on an interface. If it is at a boundary of the fluid
-  or beyond, the interface is continued there: round shapes themselves, others by their planes. If
-  a later region covers it, the nearest point of the rest counts.
-*/
+/* Returns the distance of x from the interface on the border of region k, at most `most` [m].
+   Output: normal - from the interface to x. The nearest point of the border need not be on an
+   interface. If it is at a boundary of the fluid or beyond, the interface is continued there: round
+   shapes themselves, others by their planes. If a later region covers it, the nearest point of the
+   rest counts. */
 static PetscReal RegionInterface(const Scene *scene, const InterfacePoints *points, PetscInt k,
                                  const PetscReal x[], PetscReal most, PetscReal normal[])
 {

@@ -1,8 +1,6 @@
-/*
-  Bodies that move as a file says, or are free to move: their mass and inertia, the forces on them
-  besides those of the fluid, and the components of their motion that are held. A body is free if
-  its density or its mass is given.
-*/
+/* Bodies that move as a file says, or are free to move: their mass and inertia, the forces on them
+   besides those of the fluid, and the components of their motion that are held. A body is free if
+   its density or its mass is given. */
 #include "isph/scene.h"
 
 enum { DENSITY, MASS, INERTIA, FORCE, TORQUE, SPRING, HOLD, FROM_FILE };

@@ -1,11 +1,8 @@
-/*
-  Gradings. Lattices whose cells are smaller at walls are the product of a map along each axis; an
-  axis without a map is uniform. Isotropic grading is the spacing as a function of place, the
-  smaller of an expression typed by the user and of a spacing that grows with the distance from
-  walls and
-  bodies; samples on a lattice give its bounds, which supports and time steps depend on, and its
-  growth.
-*/
+/* Gradings. Lattices whose cells are smaller at walls are the product of a map along each axis; an
+   axis without a map is uniform. Isotropic grading is the spacing as a function of place, the
+   smaller of an expression typed by the user and of a spacing that grows with the distance from
+   walls and bodies; samples on a lattice give its bounds, which supports and time steps depend on,
+   and its growth. */
 #include "isph/scene.h"
 
 #define SAMPLES 2 /* along an edge of a lattice cell */

@@ -1,7 +1,5 @@
-/*
-  The regime of a flow: its facts and numbers, the rows that hold, and their print. Callers add the
-  facts of their own options before they read a default.
-*/
+/* The regime of a flow: its facts and numbers, the rows that hold, and their print. Callers add the
+   facts of their own options before they read a default. */
 #include "isph/scene.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,6 @@
-/*
-  The defaults that depend on the flow, and the bounds of what a flow allows. For each flow exactly
-  one row of a table holds. Bounds were measured; the tables name the pages. Studies of the borders
-  between rows: docs/developers/results/regimes.md.
-*/
+/* The defaults that depend on the flow, and the bounds of what a flow allows. For each flow exactly
+   one row of a table holds. Bounds were measured; the tables name the pages. Studies of the borders
+   between rows: docs/developers/results/regimes.md. */
 #include "isph/regime.h"
 
 #define MEASURED "developers/results/regimes.md"

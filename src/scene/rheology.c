@@ -1,9 +1,7 @@
-/*
-  Rheologies: kinematic viscosity as a function of the strain rate g = sqrt(2 E:E),
-  E = (grad u + grad u^T)/2. Like the kinematic viscosity, all stresses are divided by the density:
-  a stress tau [m^2/s^2] is rho tau in Pa. Defaults of the options follow from the chosen row, the
-  strain rate U/L and the viscosity of the scene.
-*/
+/* Rheologies: kinematic viscosity as a function of the strain rate g = sqrt(2 E:E), E = (grad u +
+   grad u^T)/2. Like the kinematic viscosity, all stresses are divided by the density: a stress tau
+   [m^2/s^2] is rho tau in Pa. Defaults of the options follow from the chosen row, the strain rate
+   U/L and the viscosity of the scene. */
 #include "isph/scene.h"
 
 #define SLOPE_STEP 1e-4 /* change of the strain rate for the slope of the viscosity [-] */
@@ -281,13 +279,11 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
   return *limited ? last : r->row->Nu(r, NULL, rate * PetscPowReal(1e12, end));
 }
 
-/*
-  Sets default bounds of the viscosity: the limits of the model for zero and infinite rate. Without
-  limits the bounds are 1000 nu and nu/1000. A fluid whose viscosity vanishes with the rate has the
-  lower bound nu/20: particles of very low viscosity would decouple from their neighbours. In the
-  Poiseuille flow of a power law with n = 2, with 51 rows of particles and thus a row at zero rate,
-  the error is 1.8 % with nu/100 and 0.3 % with nu/20.
-*/
+/* Sets default bounds of the viscosity: the limits of the model for zero and infinite rate. Without
+   limits the bounds are 1000 nu and nu/1000. A fluid whose viscosity vanishes with the rate has the
+   lower bound nu/20: particles of very low viscosity would decouple from their neighbours. In the
+   Poiseuille flow of a power law with n = 2, with 51 rows of particles and thus a row at zero rate,
+   the error is 1.8 % with nu/100 and 0.3 % with nu/20. */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
   PetscBool       slow_limited, fast_limited;

@@ -299,12 +299,10 @@ static void AddVariation(const Expression *e, PetscInt c, PetscReal t, PetscReal
   if (high > low) *range += high - low;
 }
 
-/*
-  Returns the period of an expression in the window [t, t + window]: twice the range of its values
-  over their total variation, times the window. Ranges up to `least` count as constant. The window
-  shrinks until a period has at least PER_PERIOD samples. Infinite if the window is shorter than a
-  period.
-*/
+/* Returns the period of an expression in the window [t, t + window]: twice the range of its values
+   over their total variation, times the window. Ranges up to `least` count as constant. The window
+   shrinks until a period has at least PER_PERIOD samples. Infinite if the window is shorter than a
+   period. */
 static PetscReal ExpressionPeriod(const Scene *scene, const Expression *e, PetscReal t,
                                   PetscReal window, PetscReal least)
 {

@@ -1,7 +1,5 @@
-/*
-  Creates a checked Scene from options: chooses the case, switches physics, reads numbers and
-  refuses impossible values. Nothing here depends on particles or solvers.
-*/
+/* Creates a checked Scene from options: chooses the case, switches physics, reads numbers and
+   refuses impossible values. Nothing here depends on particles or solvers. */
 #include "isph/scene.h"
 
 enum {

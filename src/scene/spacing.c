@@ -1,9 +1,7 @@
-/*
-  The spacing of particles. It is uniform; or the cells of the lattice are smaller at walls, and
-  have unequal edges; or it is a function of place for particles that are not on a
-  lattice (both: grading.c). On a lattice with unequal edges, the spacing of a particle is a mean
-  of the edges of its cell, and its support is stretched along the axes as the cell is.
-*/
+/* The spacing of particles. It is uniform; or the cells of the lattice are smaller at walls, and
+   have unequal edges; or it is a function of place for particles that are not on a lattice (both:
+   grading.c). On a lattice with unequal edges, the spacing of a particle is a mean of the edges of
+   its cell, and its support is stretched along the axes as the cell is. */
 #include "isph/scene.h"
 
 #define GROWTH_MOST   0.25 /* largest growth of the spacing from a particle to the next [-] */

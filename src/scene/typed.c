@@ -1,7 +1,5 @@
-/*
-  Scenes typed on the command line: the box, its sides and bodies, velocities and a reference
-  solution. All options are checked before any particle exists. Bodies are in typedbodies.c.
-*/
+/* Scenes typed on the command line: the box, its sides and bodies, velocities and a reference
+   solution. All options are checked before any particle exists. Bodies are in typedbodies.c. */
 #include "isph/scene.h"
 
 enum {

@@ -1,7 +1,5 @@
-/*
-  Bodies, the domain and parts of its surface as they are typed: shapes, places and motions. The
-  domain is a body with the fluid inside, the last one.
-*/
+/* Bodies, the domain and parts of its surface as they are typed: shapes, places and motions. The
+   domain is a body with the fluid inside, the last one. */
 #include "isph/scene.h"
 
 #define ALONG      0.03 /* largest normal part of the velocity of a part of a surface [-] */

@@ -1,7 +1,5 @@
-/*
-  Checks of a typed scene before any particle exists: contacts of bodies, regions filled at the
-  start, the balance of inflow and outflow through the sides, and what stays in a turning frame.
-*/
+/* Checks of a typed scene before any particle exists: contacts of bodies, regions filled at the
+   start, the balance of inflow and outflow through the sides, and what stays in a turning frame. */
 #include "isph/scene.h"
 
 #define STIFF        3.0    /* ratio of viscosities */

@@ -1,7 +1,5 @@
-/*
-  The table of schemes, and creation and destruction of the scheme of a run. A new scheme needs a
-  folder with its row at the foot of a file, and one word here.
-*/
+/* The table of schemes, and creation and destruction of the scheme of a run. A new scheme needs a
+   folder with its row at the foot of a file, and one word here. */
 #include "isph/schemes.h"
 #include "schemes/scalars/scalars.h"
 #include "schemes/surface/surface.h"

@@ -1,7 +1,5 @@
-/*
-  Defaults of linear solvers, set in the options database so that options of the user take
-  precedence, and renewal of a preconditioner for a new matrix.
-*/
+/* Defaults of linear solvers, set in the options database so that options of the user take
+   precedence, and renewal of a preconditioner for a new matrix. */
 #include "isph/solvers.h"
 #include <strings.h>
 
@@ -52,8 +50,8 @@ static PetscErrorCode IsBoomerAmg(const char prefix[], PetscBool *amg)
 
 /* AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are
    given. Collective on PETSC_COMM_WORLD. Input: aggressive - number of levels with aggressive
-   coarsening; such levels make pressure solves faster but double the iterations of velocity solves.
-   */
+   coarsening; such levels make pressure solves faster but double the iterations of velocity
+   solves. */
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
   PetscBool amg;

@@ -1,8 +1,6 @@
-/*
-  Fallbacks of a linear solve: if the true residual of the chosen method is not small enough, other
-  methods solve the same system, from the cheapest to the most robust. Each fallback is printed and
-  counted.
-*/
+/* Fallbacks of a linear solve: if the true residual of the chosen method is not small enough, other
+   methods solve the same system, from the cheapest to the most robust. Each fallback is printed and
+   counted. */
 #include "isph/solvers.h"
 
 #define RESIDUAL_SLACK 10.0 /* accepted true residual divided by the tolerance */

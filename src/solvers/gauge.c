@@ -1,8 +1,6 @@
-/*
-  The constant of the pressure, which is undetermined unless a boundary gives a value of the
-  pressure (ScenePressureFloats()). All solvers fix it by these functions and in no other way; for a
-  determined pressure the functions change nothing.
-*/
+/* The constant of the pressure, which is undetermined unless a boundary gives a value of the
+   pressure (ScenePressureFloats()). All solvers fix it by these functions and in no other way; for
+   a determined pressure the functions change nothing. */
 #include "isph/solvers.h"
 
 /* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */

@@ -1,8 +1,7 @@
-/*
-  The guard: computes the true residual after every linear solve and reports a failure in a sentence
-  with a remedy. A method preconditioned by AMG can report convergence although the residual is as
-  large as the right-hand side; without the guard the flow would be wrong without a message.
-*/
+/* The guard: computes the true residual after every linear solve and reports a failure in a
+   sentence with a remedy. A method preconditioned by AMG can report convergence although the
+   residual is as large as the right-hand side; without the guard the flow would be wrong without a
+   message. */
 #include "isph/solvers.h"
 
 #define LOOSEST_RTOL 0.01 /* largest allowed tolerance of a KSP */

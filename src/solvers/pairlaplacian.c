@@ -1,7 +1,5 @@
-/*
-  The pair-wise Laplacian of preconditioners: compact, and an M-matrix on any particles, which
-  sweeps of AMG and its interpolation are made for. The operators of fits are neither.
-*/
+/* The pair-wise Laplacian of preconditioners: compact, and an M-matrix on any particles, which
+   sweeps of AMG and its interpolation are made for. The operators of fits are neither. */
 #include "isph/solvers.h"
 
 #define PAIR_REACH   1.8 /* of pairs, in units of their spacing: 8 neighbours in 2D, 26 in 3D */

@@ -1,9 +1,7 @@
-/*
-  The life of the set-up of a preconditioner, by one rule for all solvers: it lasts until the
-  unknowns are numbered anew, until the shift of the matrix has changed, or until a solve takes half
-  as many iterations again as the first one with it. Particles move by less than a spacing with one
-  numbering.
-*/
+/* The life of the set-up of a preconditioner, by one rule for all solvers: it lasts until the
+   unknowns are numbered anew, until the shift of the matrix has changed, or until a solve takes
+   half as many iterations again as the first one with it. Particles move by less than a spacing
+   with one numbering. */
 #include "isph/solvers.h"
 
 #define SHIFT_CHANGE 1.5 /* largest ratio of shifts with one set-up */

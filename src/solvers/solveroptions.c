@@ -1,7 +1,5 @@
-/*
-  The options of PETSc's solvers that are needed most, for -help, the reference page and
-  suggestions. PETSc reads them, and any other option of a KSP, PC, TS or SNES too.
-*/
+/* The options of PETSc's solvers that are needed most, for -help, the reference page and
+   suggestions. PETSc reads them, and any other option of a KSP, PC, TS or SNES too. */
 #include "isph/solvers.h"
 
 static const char *const Linear[] = {"visc",

@@ -1,9 +1,7 @@
-/*
-  Views of solvers: -<prefix>ksp_view, and views of the linear system, after the first solve;
-  -<prefix>ts_view at the end of the run. PETSc's own views do not serve here: PETSc 3.18 loses the
-  viewers of a KSP after a reset for another number of particles, newer releases view a KSP in every
-  step, and only TSSolve(), which no step calls, views a TS.
-*/
+/* Views of solvers: -<prefix>ksp_view, and views of the linear system, after the first solve;
+   -<prefix>ts_view at the end of the run. PETSc's own views do not serve here: PETSc 3.18 loses the
+   viewers of a KSP after a reset for another number of particles, newer releases view a KSP in
+   every step, and only TSSolve(), which no step calls, views a TS. */
 #include "isph/solvers.h"
 
 /* SolverViewTake - Creates the viewer of an option and removes the option from the database.

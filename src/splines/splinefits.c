@@ -1,9 +1,7 @@
-/*
-  Fits of the velocity of particles at the points of quadrature of the splines. Walls take part with
-  their normal velocity: beside walls along the axes in the fit of one component, beside oblique
-  walls in a fit of all components together. The points of a cell share most of their particles and
-  are treated together.
-*/
+/* Fits of the velocity of particles at the points of quadrature of the splines. Walls take part
+   with their normal velocity: beside walls along the axes in the fit of one component, beside
+   oblique walls in a fit of all components together. The points of a cell share most of their
+   particles and are treated together. */
 #include "splines.h"
 
 /* A fit of all components at a point; the arrays are those of VectorFit(). */

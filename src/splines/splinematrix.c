@@ -1,9 +1,7 @@
-/*
-  The matrix of the pressure increment on splines, A = -scale^2 D G: the product of divergence and
-  gradient. Moving particles change both in each step, so A is a shell that applies one after the
-  other. Fixed particles keep them, so A is computed once; its product with a vector takes about an
-  eighth of the operations.
-*/
+/* The matrix of the pressure increment on splines, A = -scale^2 D G: the product of divergence and
+   gradient. Moving particles change both in each step, so A is a shell that applies one after the
+   other. Fixed particles keep them, so A is computed once; its product with a vector takes about an
+   eighth of the operations. */
 #include "splines.h"
 #include "isph/operators.h"
 
@@ -118,14 +116,10 @@ static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the matrix of the integrals of the velocity, sum_a T_a^T J_a with the integrals T_a along
-  axis a and the fits J_a of component a: interlaced components over fluid -> splines; each J_a is
-  multiplied by G first if it is given
-
-  MatTransposeMatMult() would add the parts of other ranks in the order in which they arrive, and
-  runs would differ in their last digits.
-*/
+/* Computes the matrix of the integrals of the velocity, sum_a T_a^T J_a with the integrals T_a
+   along axis a and the fits J_a of component a: interlaced components over fluid -> splines; each
+   J_a is multiplied by G first if it is given. MatTransposeMatMult() would add the parts of other
+   ranks in the order in which they arrive, and runs would differ in their last digits. */
 static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, Mat *D)
 {
   Mat T, transposed, part, J, fit;

@@ -1,7 +1,5 @@
-/*
-  Splines on all ranks: their numbers, and the matrices that do not depend on the particles. A rank
-  owns the splines whose centres are in its box.
-*/
+/* Splines on all ranks: their numbers, and the matrices that do not depend on the particles. A rank
+   owns the splines whose centres are in its box. */
 #include "splines.h"
 
 /* Computes the splines of this rank along each axis: those whose centres are in its box. */
@@ -236,8 +234,8 @@ static PetscErrorCode FreeNumbered(Splines *s)
 }
 
 /* SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
-   does not depend on the particles. Collective. Does nothing unless the box of a rank has changed.
-   */
+   does not depend on the particles. Collective. Does nothing unless the box of a rank has
+   changed. */
 PetscErrorCode SplinesNumber(const Particles *p, Splines *s)
 {
   int         old = s->K ? 1 : 0;

@@ -95,13 +95,11 @@ typedef struct {
   PetscReal gradient[ISPH_MAX_DIM][SPLINES_EXTENDED]; /* [1/m] */
 } SplineRow;
 
-/*
-  A cell that a body cuts: its 2^dim nodes, and the integrals over its fluid of the linear function
-  of each node times the splines of the cell and their derivatives, over the volume of a cell. Nodes
-  are centre +- reach_a in the plane, and centre +- reach_x +- reach_y +- reach_z in space. The
-  integrals of spline k are at (node (1 + dim) + e) 3^dim + k, with e = 0 for the value and 1 + a
-  for the derivative along axis a.
-*/
+/* A cell that a body cuts: its 2^dim nodes, and the integrals over its fluid of the linear function
+   of each node times the splines of the cell and their derivatives, over the volume of a cell.
+   Nodes are centre +- reach_a in the plane, and centre +- reach_x +- reach_y +- reach_z in space.
+   The integrals of spline k are at (node (1 + dim) + e) 3^dim + k, with e = 0 for the value and 1 +
+   a for the derivative along axis a. */
 typedef struct {
   PetscReal  centre[ISPH_MAX_DIM], reach[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* [m] */
   PetscReal *integral;                                                /* [-], [1/m] */

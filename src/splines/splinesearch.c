@@ -8,14 +8,11 @@
 #define SHELL_BELOW 0.8
 #define SAME_SUM    1e-9 /* difference of equal sums of parts */
 
-/*
-  Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
-  particles whose normal is along c; for all components, c = SPLINE_ALL, all wall particles.
-
-  A boundary that does not give its velocity takes no part. Of a wall the divergence uses the normal
-  velocity only. With the tangential velocity, the fits would follow the jump between a lid and a
-  wall at rest, and the flow ends within a few steps.
-*/
+/* Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
+   particles whose normal is along c; for all components, c = SPLINE_ALL, all wall particles. A
+   boundary that does not give its velocity takes no part. Of a wall the divergence uses the normal
+   velocity only. With the tangential velocity, the fits would follow the jump between a lid and a
+   wall at rest, and the flow ends within a few steps. */
 static inline PetscBool TakesPart(const Particles *p, PetscInt j, PetscInt c)
 {
   return c == SPLINE_ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5;
@@ -225,14 +222,10 @@ static ISPH_INLINE PetscInt ListBetween(PetscReal low, PetscReal high, SplineAro
   return n;
 }
 
-/*
-  Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
-  the next, at most reach^2
-
-  A shell about the wanted number of particles is found first, by a guess on which the result does
-  not depend, and its particles are sorted. The number of particles grows in proportion to the
-  volume of the ball.
-*/
+/* Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
+   the next, at most reach^2. A shell about the wanted number of particles is found first, by a
+   guess on which the result does not depend, and its particles are sorted. The number of particles
+   grows in proportion to the volume of the ball. */
 static ISPH_INLINE PetscReal SquaredRadius(PetscInt dim, PetscReal wanted, PetscReal reach,
                                            SplineAround *around, PetscBool *found)
 {

@@ -294,13 +294,10 @@ static void SetIntegrals(const SplineLattice *l, const PetscInt index[],
   }
 }
 
-/*
-  Sets the nodes of a patch and their linear functions
-
-  The velocity of a body is linear, and any four nodes c + d will do: 1/4 (1 + sum_a (x - c)_a/d_a).
-  That of a side is any function, and the nodes are in the fluid: c +- sqrt(2) r, with r along the
-  principal axes of the part of the side, as in cells of the plane.
-*/
+/* Sets the nodes of a patch and their linear functions. The velocity of a body is linear, and any
+   four nodes c + d will do: 1/4 (1 + sum_a (x - c)_a/d_a). That of a side is any function, and the
+   nodes are in the fluid: c +- sqrt(2) r, with r along the principal axes of the part of the side,
+   as in cells of the plane. */
 static PetscErrorCode SetPatchNodes(const SplineLattice *l, const PetscInt index[],
                                     const Patch *from, SplinePatch *patch,
                                     PetscReal share[4][LINEAR])

@@ -1,7 +1,5 @@
-/*
-  The stiffness of the splines, for the preconditioner, and their mass. The points of quadrature are
-  those of the velocity; in cut cells the integrals are approximate.
-*/
+/* The stiffness of the splines, for the preconditioner, and their mass. The points of quadrature
+   are those of the velocity; in cut cells the integrals are approximate. */
 #include "splines.h"
 
 /* Computes the cells in the support of a spline; returns their number. */
@@ -187,12 +185,8 @@ static PetscErrorCode AddCells(Splines *s, const Particles *p, const PetscScalar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the number of entries in the rows of own splines: the splines that are not zero in a cell
-  of their supports
-
-  Work: seen - one number for each spline, zeros at first.
-*/
+/* Computes the number of entries in the rows of own splines: the splines that are not zero in a
+   cell of their supports. Work: seen - one number for each spline, zeros at first. */
 static void RowWidths(const Splines *s, PetscInt seen[], PetscInt width[])
 {
   const SplineLattice *l = &s->lattice;

@@ -1,10 +1,8 @@
-/*
-  The window of a rank: the pressure of the splines at particles, without a matrix, and sums over
-  splines. Splines are products of polynomials along the axes, so the place of a particle in its
-  cell gives all of them. Their coefficients are collected in a block of the lattice around the
-  particles of a rank, the window, where the splines beside bodies have the coefficients of their
-  masters already (splineextend.c).
-*/
+/* The window of a rank: the pressure of the splines at particles, without a matrix, and sums over
+   splines. Splines are products of polynomials along the axes, so the place of a particle in its
+   cell gives all of them. Their coefficients are collected in a block of the lattice around the
+   particles of a rank, the window, where the splines beside bodies have the coefficients of their
+   masters already (splineextend.c). */
 #include "splines.h"
 
 /* Returns the first spline along an axis that is not zero at the lowest or at the highest place of

@@ -1,11 +1,9 @@
-/*
-  Particles on the free borders of pools without lattice. A border consists of pieces: the parts of
-  the outlines of regions that are inside the box, outside bodies and outside other regions, divided
-  at corners. The particles of a piece are evenly spaced, about dx apart. A piece that ends at a
-  wall has its last particle dx/2 above this wall, as a lattice has, and a meridian that ends at the
-  axis has it dx/2 off the axis; a piece that ends at a corner has it in the corner; a piece that
-  ends at another region, a body or a periodic side has it half a spacing before.
-*/
+/* Particles on the free borders of pools without lattice. A border consists of pieces: the parts of
+   the outlines of regions that are inside the box, outside bodies and outside other regions,
+   divided at corners. The particles of a piece are evenly spaced, about dx apart. A piece that ends
+   at a wall has its last particle dx/2 above this wall, as a lattice has, and a meridian that ends
+   at the axis has it dx/2 off the axis; a piece that ends at a corner has it in the corner; a piece
+   that ends at another region, a body or a periodic side has it half a spacing before. */
 #include "start.h"
 
 #define FINE   32.0 /* samples of an outline along dx */

@@ -1,7 +1,5 @@
-/*
-  The particles at the start of a run: fills the box with fluid particles and its sides with wall
-  particles, and removes walls that are buried in other walls.
-*/
+/* The particles at the start of a run: fills the box with fluid particles and its sides with wall
+   particles, and removes walls that are buried in other walls. */
 #include "start.h"
 
 /* Sets the viscosities of fluid: given values, or SceneViscosity() at the positions. */

@@ -1,9 +1,7 @@
-/*
-  Particles at the start of a run if the spacing is a function of place, or if the fluid does not
-  fill the box. Ordered particles are in rows along walls, or on lattices and free borders of pools;
-  the others are at the places of densityplaces.c, which relax.c relaxes. Wall particles lie on
-  surfaces; no particle is behind a wall.
-*/
+/* Particles at the start of a run if the spacing is a function of place, or if the fluid does not
+   fill the box. Ordered particles are in rows along walls, or on lattices and free borders of
+   pools; the others are at the places of densityplaces.c, which relax.c relaxes. Wall particles lie
+   on surfaces; no particle is behind a wall. */
 #include "start.h"
 
 /* Sets the size of local particle i for its place. */

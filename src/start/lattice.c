@@ -1,10 +1,8 @@
-/*
-  Particles at the start of a run. Fluid particles are the centres of lattice cells outside bodies,
-  at a minimum distance from them, or have positions given by the user. Wall particles form a layer
-  on the surface, or several layers of the same lattice behind it (dummies), or both. With both, the
-  surface layer represents the half cell between fluid and dummies. Each particle follows from its
-  index alone, so each rank creates the particles of a contiguous range of indices.
-*/
+/* Particles at the start of a run. Fluid particles are the centres of lattice cells outside bodies,
+   at a minimum distance from them, or have positions given by the user. Wall particles form a layer
+   on the surface, or several layers of the same lattice behind it (dummies), or both. With both,
+   the surface layer represents the half cell between fluid and dummies. Each particle follows from
+   its index alone, so each rank creates the particles of a contiguous range of indices. */
 #include "start.h"
 
 /* Slabs of lattice cells with the wall particles of the box, a slab for each confining side. */
@@ -16,12 +14,10 @@ typedef struct {
   PetscInt first[2 * ISPH_MAX_DIM + 1];           /* wall index of the slab's first cell */
 } WallSlabs;
 
-/*
-  Creates the slabs. The slab of a side spans the wall layers along its own axis, the lattice with
-  wall layers along lower axes, and the lattice of the fluid along higher axes: together the slabs
-  cover each cell outside the box once. A single layer on the surface needs no corners: then each
-  slab spans the lattice of the fluid along all other axes.
-*/
+/* Creates the slabs. The slab of a side spans the wall layers along its own axis, the lattice with
+   wall layers along lower axes, and the lattice of the fluid along higher axes: together the slabs
+   cover each cell outside the box once. A single layer on the surface needs no corners: then each
+   slab spans the lattice of the fluid along all other axes. */
 static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, WallSlabs *slabs)
 {
   const PetscInt k = walls.layers;
@@ -73,10 +69,8 @@ static PetscReal DummyClearance(WallPlacement walls, PetscReal dx)
   return (walls.surface ? 0.5 : 0.25) * dx;
 }
 
-/*
-  Determines the contents of a cell from the distance of its centre x to the nearest body; for a
-  dummy also its body, depth and normal.
-*/
+/* Determines the contents of a cell from the distance of its centre x to the nearest body; for a
+   dummy also its body, depth and normal. */
 static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt index, PetscReal x[],
                              PetscInt *body, PetscReal *depth, PetscReal normal[])
 {
@@ -116,11 +110,9 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
     x[a] += (0.25 * dx - distance) * normal[a];
 }
 
-/*
-  Returns the coordinate of the particle of lattice cell c along axis a. If the first wall layer
-  lies on the surface, particles beyond a side of the box are half a cell nearer to it. Output:
-  share - fraction of the cell that belongs to the particle.
-*/
+/* Returns the coordinate of the particle of lattice cell c along axis a. If the first wall layer
+   lies on the surface, particles beyond a side of the box are half a cell nearer to it. Output:
+   share - fraction of the cell that belongs to the particle. */
 static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscInt a, PetscInt c,
                                 PetscReal *share)
 {
@@ -235,11 +227,9 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
   return n;
 }
 
-/*
-  Writes the wall particle at surface point `index`, counted over all bodies, to local index i. With
-  dummies behind it, the particle represents the band between fluid cells and dummy cells, otherwise
-  a cell.
-*/
+/* Writes the wall particle at surface point `index`, counted over all bodies, to local index i.
+   With dummies behind it, the particle represents the band between fluid cells and dummy cells,
+   otherwise a cell. */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
                             Particles *p, PetscInt i)
 {
@@ -257,10 +247,8 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   BodyParticle(scene, k, x, 0.0, normal, volume, id, p, i);
 }
 
-/*
-  Creates the particles of lattice cells [first, last): fluid with ids from `fluid` on, or no fluid
-  if `fluid` is negative, and dummies at local indices from `wall` on with ids from `dummy` on.
-*/
+/* Creates the particles of lattice cells [first, last): fluid with ids from `fluid` on, or no fluid
+   if `fluid` is negative, and dummies at local indices from `wall` on with ids from `dummy` on. */
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {

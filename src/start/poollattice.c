@@ -1,9 +1,7 @@
-/*
-  The lattice of a pool whose borders are lines along the axes. Between two lines the spacing along
-  an axis is even and near dx. The outer particles are on free borders; they are half an edge away
-  from walls and from periodic sides, as on the lattice of a full box. All regions of a pool share
-  the lattice.
-*/
+/* The lattice of a pool whose borders are lines along the axes. Between two lines the spacing along
+   an axis is even and near dx. The outer particles are on free borders; they are half an edge away
+   from walls and from periodic sides, as on the lattice of a full box. All regions of a pool share
+   the lattice. */
 #include "start.h"
 
 #define EDGE_LEAST 0.8 /* edges of cells for which a pool has a lattice [dx] */

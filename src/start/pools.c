@@ -1,9 +1,7 @@
-/*
-  Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
-  pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
-  of other pools lie on the free border (border.c) or are relaxed inside it (densityplaces.c,
-  relax.c). All particles of a pool have the same share of its volume.
-*/
+/* Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
+   pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
+   of other pools lie on the free border (border.c) or are relaxed inside it (densityplaces.c,
+   relax.c). All particles of a pool have the same share of its volume. */
 #include "start.h"
 #include <string.h>
 
@@ -221,8 +219,8 @@ static PetscErrorCode RefuseBorders(const Pools *pools)
 
 /* PoolsCreate - Finds the pools of a scene and their volumes. Collective on PETSC_COMM_WORLD.
    Input: pools - its flag inside. Output: pools - none if the fluid fills the box; free with
-   PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without particles.
-   */
+   PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without
+   particles. */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
   PetscBool lattices = PETSC_FALSE;

@@ -1,8 +1,6 @@
-/*
-  Wall particles of scenes whose spacing is a function of place, or whose fluid does not fill the
-  box. On a curve, a side of the box or a body in 2D, each particle has the same share of the number
-  of particles int dl/s.
-*/
+/* Wall particles of scenes whose spacing is a function of place, or whose fluid does not fill the
+   box. On a curve, a side of the box or a body in 2D, each particle has the same share of the
+   number of particles int dl/s. */
 #include "start.h"
 
 #define FINE 64.0 /* points along the smallest spacing, among which particles are chosen */

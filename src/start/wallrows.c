@@ -1,9 +1,7 @@
-/*
-  Ordered rows of fluid particles along walls, for scenes whose spacing is a function of place. Each
-  wall particle has one particle above it in each row. Row m fills the band from D(m) to D(m + 1)
-  along the normal, dD/dm = s(D), and its particles are at D(m + 1/2). Disorder beside walls has
-  larger errors than disorder elsewhere: it changes the shear stress.
-*/
+/* Ordered rows of fluid particles along walls, for scenes whose spacing is a function of place.
+   Each wall particle has one particle above it in each row. Row m fills the band from D(m) to D(m +
+   1) along the normal, dD/dm = s(D), and its particles are at D(m + 1/2). Disorder beside walls has
+   larger errors than disorder elsewhere: it changes the shear stress. */
 #include "start.h"
 
 /* Returns the height D(m) above a point of a wall, by the midpoint rule in steps of 1/2 [m]. */

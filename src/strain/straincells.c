@@ -1,8 +1,6 @@
-/*
-  The cells of a rank, cut by bodies and by interfaces of fluids, and the gradient of the velocity
-  in each. A cell of two fluids is two cells. On an interface both have the velocity of the stiffer
-  fluid.
-*/
+/* The cells of a rank, cut by bodies and by interfaces of fluids, and the gradient of the velocity
+   in each. A cell of two fluids is two cells. On an interface both have the velocity of the stiffer
+   fluid. */
 #include "strain.h"
 
 /* Volume of a part of a cell that counts, over that of the cell. Corners so near to a surface are

@@ -80,10 +80,9 @@ static PetscInt NearestWall(const Particles *p, const PetscReal x[], PetscInt n,
   return best;
 }
 
-/*
-  Computes the direction in which a corner moves by a unit of the way of the level along its normal:
-  along a wall that it is on, further by 1/sin of the angle between them, else along the normal.
-*/
+/* Computes the direction in which a corner moves by a unit of the way of the level along its
+   normal: along a wall that it is on, further by 1/sin of the angle between them, else along the
+   normal. */
 static void WayOf(const Scene *scene, const PetscReal x[], const PetscReal normal[],
                   PetscReal way[])
 {

@@ -179,12 +179,10 @@ static PetscBool ShapeOf(PetscInt dim, const PetscReal x[], FacetShape *f)
   return PETSC_TRUE;
 }
 
-/*
-  Computes the derivative of cos(angle) times the area of wet walls by corner v of a facet with the
-  corners x. A wet wall grows along itself, away from the fluid: in 2D by the way of the corner, in
-  3D by half of the edge of the facet on the wall times it. Returns the side of the box, or -1 where
-  it is zero.
-*/
+/* Computes the derivative of cos(angle) times the area of wet walls by corner v of a facet with the
+   corners x. A wet wall grows along itself, away from the fluid: in 2D by the way of the corner, in
+   3D by half of the edge of the facet on the wall times it. Returns the side of the box, or -1
+   where it is zero. */
 static PetscInt WetSlope(const Scene *scene, const PetscReal x[], const FacetShape *f, PetscInt v,
                          PetscReal slope[])
 {

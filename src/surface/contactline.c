@@ -1,13 +1,11 @@
-/*
-  Noses of thin fluid on walls without slip: the last particles of a film before the contact line,
-  where the surface meets the wall. Two or three particles on the surface hold the whole
-  cross-section there, and the fit of one of them uses particles from both sides of the tip. Its
-  pressure 2 mu n.E n then amplifies the velocity from which it is computed, and a nose is lost in
-  one or two steps of any length.
-  Particles of noses are therefore rough: they have pair forces, which dissipate in any arrangement,
-  and a pressure without 2 mu n.E n. A film behind its nose keeps the fits, which are exact for a
-  parabola of one or two particles across. See theory.md, (250) and (251).
-*/
+/* Noses of thin fluid on walls without slip: the last particles of a film before the contact line,
+   where the surface meets the wall. Two or three particles on the surface hold the whole
+   cross-section there, and the fit of one of them uses particles from both sides of the tip. Its
+   pressure 2 mu n.E n then amplifies the velocity from which it is computed, and a nose is lost in
+   one or two steps of any length. Particles of noses are therefore rough: they have pair forces,
+   which dissipate in any arrangement, and a pressure without 2 mu n.E n. A film behind its nose
+   keeps the fits, which are exact for a parabola of one or two particles across. See theory.md,
+   (250) and (251). */
 #include "surfacefits.h"
 
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */

@@ -1,8 +1,6 @@
-/*
-  Walls and openings beside a free surface: wall particles that fluid touches, dry walls, walls that
-  cover a particle, and openings, where a void is fluid that enters or has left. The contact line,
-  where the surface meets a wall, follows from them: contactline.c.
-*/
+/* Walls and openings beside a free surface: wall particles that fluid touches, dry walls, walls
+   that cover a particle, and openings, where a void is fluid that enters or has left. The contact
+   line, where the surface meets a wall, follows from them: contactline.c. */
 #include "surfacefits.h"
 
 #define WET 1.3 /* distance of fluid from a wall particle that it touches [dx] */

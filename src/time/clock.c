@@ -1,6 +1,4 @@
-/*
-  The clock, which keeps the time and chooses the step length. Solvers take t and dt from it.
-*/
+/* The clock, which keeps the time and chooses the step length. Solvers take t and dt from it. */
 #include "isph/time.h"
 #include <stdarg.h>
 

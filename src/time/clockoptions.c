@@ -1,6 +1,4 @@
-/*
-  The creation of the clock from the options of the time step and of the end of the run.
-*/
+/* The creation of the clock from the options of the time step and of the end of the run. */
 #include "isph/time.h"
 
 #define CLOCK_GOOD_NEEDED 10 /* good_needed before the first failure, which doubles it */

@@ -1,8 +1,6 @@
-/*
-  Formulas in time for steps of unequal lengths, from the velocities u^n, u^{n-1}, u^{n-2} of a
-  particle: the start of an implicit step, the path of a particle, and extrapolation. Their order is
-  ClockOrder().
-*/
+/* Formulas in time for steps of unequal lengths, from the velocities u^n, u^{n-1}, u^{n-2} of a
+   particle: the start of an implicit step, the path of a particle, and extrapolation. Their order
+   is ClockOrder(). */
 #include "isph/time.h"
 
 /* Computes the weights of u^n, u^{n-1}, u^{n-2} in u^n + s u' + c u'', with the first and second

@@ -1,7 +1,5 @@
-/*
-  The memory of a run: numbers that steps keep for later steps, registered by name. Undo,
-  checkpoints and restarts loop over them, so that a new number needs a single line of code.
-*/
+/* The memory of a run: numbers that steps keep for later steps, registered by name. Undo,
+   checkpoints and restarts loop over them, so that a new number needs a single line of code. */
 #include "isph/time.h"
 
 static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem item)

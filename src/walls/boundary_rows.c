@@ -54,12 +54,10 @@ void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
   a[diagonal] -= sum;
 }
 
-/*
-  Adds the row scale sum_k w_k (f_k - f_i) to an operator on a scalar f whose value or n.grad f is
-  given at boundaries. In a fit w_k of a wall neighbour multiplies f_k - f_i, or n.grad f if that is
-  its equation. For a dummy it multiplies f_w - f_i = (X.n) n.grad f; the tangential part of this
-  difference is already in the weights w_k.
-*/
+/* Adds the row scale sum_k w_k (f_k - f_i) to an operator on a scalar f whose value or n.grad f is
+   given at boundaries. In a fit w_k of a wall neighbour multiplies f_k - f_i, or n.grad f if that
+   is its equation. For a dummy it multiplies f_w - f_i = (X.n) n.grad f; the tangential part of
+   this difference is already in the weights w_k. */
 static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
                             PetscReal scale, const PetscReal w[], AffineOperator *op)
 {
@@ -87,12 +85,10 @@ static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt di
 
 #define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
 
-/*
-  Solves X A = B; the `rows` rows of X replace B. A and B are stored by rows, with entries of
-  order 1. Returns PETSC_FALSE if A is singular or an entry of X exceeds 10: then too little fluid
-  is near the wall. For comparison, the largest entry in cavities with moving particles is 2.4 (2D
-  and 3D).
-*/
+/* Solves X A = B; the `rows` rows of X replace B. A and B are stored by rows, with entries of order
+   1. Returns PETSC_FALSE if A is singular or an entry of X exceeds 10: then too little fluid is
+   near the wall. For comparison, the largest entry in cavities with moving particles is 2.4 (2D and
+   3D). */
 static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
   DenseEliminate(n, A, rows, B);

@@ -1,7 +1,5 @@
-/*
-  Values at boundaries: data of the velocity and the pressure at each own wall particle. Their
-  vectors multiply the matrices B of the operators.
-*/
+/* Values at boundaries: data of the velocity and the pressure at each own wall particle. Their
+   vectors multiply the matrices B of the operators. */
 #include "isph/walls.h"
 
 /* WallValuesFree - Frees the vectors; collective */

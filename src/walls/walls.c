@@ -1,8 +1,6 @@
-/*
-  Wall treatments: the placement of wall particles, and their values in the row of a fluid particle
-  i. The velocity of wall particle w is extrapolated from particle i through the wall with a factor
-  beta (wall_points.c). For the pressure, the wall pressure gradient is given.
-*/
+/* Wall treatments: the placement of wall particles, and their values in the row of a fluid particle
+   i. The velocity of wall particle w is extrapolated from particle i through the wall with a factor
+   beta (wall_points.c). For the pressure, the wall pressure gradient is given. */
 #include "isph/walls.h"
 
 /* Returns beta = 1, with which the velocity of a wall particle is not extrapolated but is its own

@@ -207,13 +207,12 @@ static PetscBool IsBesideWall(const Flow *flow, PetscInt i)
   return PETSC_FALSE;
 }
 
-/*
-  Returns true if the row of G of own particle i is that of the reactions. Pair forces and reactions
-  belong together: neither adds energy to any velocity. With a gradient of fits rough particles and
-  those of a burst have both. With -coupled_gradient natural all particles off walls have both, and
-  then the pressure and the pair forces have no stress on a free surface; beside walls reactions
-  have an error of order 0, and the large pressures of narrow slits would compress the fluid.
-*/
+/* Returns true if the row of G of own particle i is that of the reactions. Pair forces and
+   reactions belong together: neither adds energy to any velocity. With a gradient of fits rough
+   particles and those of a burst have both. With -coupled_gradient natural all particles off walls
+   have both, and then the pressure and the pair forces have no stress on a free surface; beside
+   walls reactions have an error of order 0, and the large pressures of narrow slits would compress
+   the fluid. */
 static PetscBool HasReactions(const Flow *flow, const Saddle *s, PetscInt i)
 {
   const FreeSurface *free = flow->ops->free;

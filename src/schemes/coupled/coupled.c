@@ -1,7 +1,5 @@
-/*
-  The coupled scheme: its row, options and refusals. It solves for velocity and pressure together,
-  in time or for a steady flow.
-*/
+/* The coupled scheme: its row, options and refusals. It solves for velocity and pressure together,
+   in time or for a steady flow. */
 #include "coupled.h"
 #include "schemes/scalars/scalars.h"
 #include "schemes/stages/stages.h"

@@ -1,11 +1,9 @@
-/*
-  The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
-  options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
-  on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
-  saddlesurface.c the pressures of free surfaces in it, velocityblock.c and schur.c the
-  preconditioners of velocities and of pressures, rheology.c viscosities that follow the strain
-  rate, step.c the step.
-*/
+/* The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
+   options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
+   on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
+   saddlesurface.c the pressures of free surfaces in it, velocityblock.c and schur.c the
+   preconditioners of velocities and of pressures, rheology.c viscosities that follow the strain
+   rate, step.c the step. */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 

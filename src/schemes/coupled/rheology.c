@@ -1,8 +1,6 @@
-/*
-  Viscosities that follow the strain rate in the coupled scheme. The matrix A of saddle.c has the
-  viscosities of the velocity u_k, and the tangent J of the system adds the term of their changes,
-  TangentApplyAdd(). An iteration solves J x = b + (J - A) x_k, preconditioned as A is.
-*/
+/* Viscosities that follow the strain rate in the coupled scheme. The matrix A of saddle.c has the
+   viscosities of the velocity u_k, and the tangent J of the system adds the term of their changes,
+   TangentApplyAdd(). An iteration solves J x = b + (J - A) x_k, preconditioned as A is. */
 #include "coupled.h"
 
 /* Subtracts T_i times the viscous term of the changes of viscosity by the velocity in x from y. */

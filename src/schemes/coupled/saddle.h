@@ -4,10 +4,8 @@
 
 #include "isph/solvers.h"
 
-/*
-  Blocks of the scaled system. On each rank a vector holds the velocities of its particles, with
-  interlaced components, and then their pressures, so that standard PETSc vectors suffice.
-*/
+/* Blocks of the scaled system. On each rank a vector holds the velocities of its particles, with
+   interlaced components, and then their pressures, so that standard PETSc vectors suffice. */
 typedef struct {
   PetscInt  dim, n, n_p; /* own particles; pressures of this rank: own particles or splines */
   PetscBool adjoint;     /* G is minus the transposed D; chosen before the assembly */

@@ -21,13 +21,9 @@ static PetscErrorCode SplineMassApply(Schur *s, Vec z, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Applies y = x, the limit of S^-1 (top of this file) for long steps:
-  nu/sigma = 1, shift = 0; on splines the inverse of the mass matrix
-
-  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
-  (2014)
-*/
+/* Applies y = x, the limit of S^-1 (top of this file) for long steps: nu/sigma = 1, shift = 0; on
+   splines the inverse of the mass matrix. Reference: H. C. Elman, D. J. Silvester, A. J. Wathen,
+   Finite Elements and Fast Iterative Solvers (2014). */
 static PetscErrorCode ApplyMass(Schur *s, Vec x, Vec y)
 {
   PetscFunctionBegin;

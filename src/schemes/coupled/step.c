@@ -1,9 +1,7 @@
-/*
-  The coupled step: a solve for velocity and pressure together, either in time or steady, with
-  iterations for steady convection and for viscosities that follow the strain rate. A step without
-  earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in which
-  the velocity jumps is solved again with a larger share of order 1 (velocityjump.c).
-*/
+/* The coupled step: a solve for velocity and pressure together, either in time or steady, with
+   iterations for steady convection and for viscosities that follow the strain rate. A step without
+   earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in
+   which the velocity jumps is solved again with a larger share of order 1 (velocityjump.c). */
 #include "coupled.h"
 
 #define PICARD_MOST 50 /* largest number of iterations of steady convection or a rheology */
@@ -39,13 +37,10 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Solves the linear system of an iteration for steady convection, whose matrix the next iteration
-  changes: to a share of the residual of the present unknowns
-
-  A tolerance relative to b would be too tight at first, and at last too loose for the change of u
-  that ends the iteration. Output: tight - the tolerance was at most that of the solver.
-*/
+/* Solves the linear system of an iteration for steady convection, whose matrix the next iteration
+   changes: to a share of the residual of the present unknowns. A tolerance relative to b would be
+   too tight at first, and at last too loose for the change of u that ends the iteration. Output:
+   tight - the tolerance was at most that of the solver. */
 static PetscErrorCode SolvePicard(Vec b, Coupled *c, StepFailure *failure, PetscBool *tight)
 {
   const KSP ksp = c->guard.solve.ksp;
@@ -172,15 +167,12 @@ static PetscErrorCode TakeVelocity(Flow *flow, Vec u[], const Vec v[], Coupled *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Iterates for steady convection (v.grad) u, for viscosities nu(v) of a rheology, or for both. In
-  each iteration v is the velocity u of the iteration before. The last iteration changes u by at
-  most the share PICARD_CHANGE, and stresses differ from those of u by at most STRESS_ERROR. Input:
-  start - velocity at the start of the step of length dt; NULL: steady. Output: u.
-
-  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
-  (2014), ch. 8
-*/
+/* Iterates for steady convection (v.grad) u, for viscosities nu(v) of a rheology, or for both. In
+   each iteration v is the velocity u of the iteration before. The last iteration changes u by at
+   most the share PICARD_CHANGE, and stresses differ from those of u by at most STRESS_ERROR. Input:
+   start - velocity at the start of the step of length dt; NULL: steady. Output: u. Reference: H. C.
+   Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers (2014), ch.
+   8. */
 static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u[], Vec v[],
                               Coupled *c, StepFailure *failure)
 {
@@ -221,10 +213,8 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Solves for u_next and p at c->end. On entry u_next is the velocity at the start of the step of
-  length dt, and p an estimate of the pressure.
-*/
+/* Solves for u_next and p at c->end. On entry u_next is the velocity at the start of the step of
+   length dt, and p an estimate of the pressure. */
 static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
 {
   const Clock    *clock   = flow->clock;

@@ -1,8 +1,6 @@
-/*
-  The time integrators of viscosity: TS types, and for each type the callbacks that compute the
-  terms of the equation. Several combinations of callbacks are necessary: explicit types refuse an
-  IFunction, and implicit types combine an RHSFunction with the wrong Jacobian.
-*/
+/* The time integrators of viscosity: TS types, and for each type the callbacks that compute the
+   terms of the equation. Several combinations of callbacks are necessary: explicit types refuse an
+   IFunction, and implicit types combine an RHSFunction with the wrong Jacobian. */
 #include "viscosity.h"
 
 static const ViscousIntegratorRow integrators[] = {

@@ -1,19 +1,14 @@
-/*
-  The nonlinear solver for rheologies: a SNES of type newtonls for the residual of a TS stage. Its
-  Jacobian is the matrix shift I - nu A with the present viscosities, the preconditioner, and the
-  term of their changes by the velocity, which src/operators/tangent.c computes.
-*/
+/* The nonlinear solver for rheologies: a SNES of type newtonls for the residual of a TS stage. Its
+   Jacobian is the matrix shift I - nu A with the present viscosities, the preconditioner, and the
+   term of their changes by the velocity, which src/operators/tangent.c computes. */
 #include "viscosity.h"
 
 #define ITERATION_MOST 50 /* largest number of iterations of a stage */
 
-/*
-  Ends the iteration if its residual is at most -visc_snes_rtol times its scale, the force or
-  tau/L, and the stresses are those of the velocity; otherwise linearises them about the velocity
-
-  The first residual is no scale: near a steady flow it is small, and at rest it may be that of a
-  viscosity far off.
-*/
+/* Ends the iteration if its residual is at most -visc_snes_rtol times its scale, the force or
+   tau/L, and the stresses are those of the velocity; otherwise linearises them about the velocity.
+   The first residual is no scale: near a steady flow it is small, and at rest it may be that of a
+   viscosity far off. */
 static PetscErrorCode Test(SNES snes, PetscInt it, PetscReal x, PetscReal dx, PetscReal norm,
                            SNESConvergedReason *reason, void *ctx)
 {

@@ -226,10 +226,9 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Frees the Jacobian, also in the solvers that hold it, before the next is created: both at once
-  would be the peak of the run's memory. The reset also renews the set-up of -visc_snes_mf_operator.
-*/
+/* Frees the Jacobian, also in the solvers that hold it, before the next is created: both at once
+   would be the peak of the run's memory. The reset also renews the set-up of
+   -visc_snes_mf_operator. */
 static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
 {
   PetscFunctionBegin;

@@ -1,7 +1,5 @@
-/*
-  State and functions of the viscous step, for any scheme. terms.c has its callbacks, iteration.c
-  the nonlinear solver, and integrators.c the table of integrators.
-*/
+/* State and functions of the viscous step, for any scheme. terms.c has its callbacks, iteration.c
+   the nonlinear solver, and integrators.c the table of integrators. */
 #ifndef ISPH_SCHEMES_VISCOSITY_H
 #define ISPH_SCHEMES_VISCOSITY_H
 

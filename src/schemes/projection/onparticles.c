@@ -1,7 +1,5 @@
-/*
-  The projection with the pressure on the particles: its equation, gradient and update. Boundaries
-  have data of the pressure (wallgradient.c), and so have free surfaces (freepressure.c).
-*/
+/* The projection with the pressure on the particles: its equation, gradient and update. Boundaries
+   have data of the pressure (wallgradient.c), and so have free surfaces (freepressure.c). */
 #include "projection.h"
 
 /* Creates the increment of the pressure on particles for the present numbering. */
@@ -127,14 +125,11 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Adds c div u* to the pressure, where no free surface is within the support
-
-  The term is exact if the viscous term of grad phi is that of its dilatation, grad (2 nu lap phi).
-  Beside a free surface the rows have its condition of zero stress, and weaker forces on a particle
-  that stands out, but the same div u*: the pressure then gains more than the viscosity takes. See
-  theory.md, (290).
-*/
+/* Adds c div u* to the pressure, where no free surface is within the support. The term is exact if
+   the viscous term of grad phi is that of its dilatation, grad (2 nu lap phi). Beside a free
+   surface the rows have its condition of zero stress, and weaker forces on a particle that stands
+   out, but the same div u*: the pressure then gains more than the viscosity takes. See theory.md,
+   (290). */
 static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
 {
   const FlowState   *s   = flow->state;

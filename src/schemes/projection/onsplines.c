@@ -1,7 +1,5 @@
-/*
-  The projection with the pressure on splines: there is no wall condition of the pressure, as the
-  splines take part in the balance of volume at walls. Sides may give the pressure.
-*/
+/* The projection with the pressure on splines: there is no wall condition of the pressure, as the
+   splines take part in the balance of volume at walls. Sides may give the pressure. */
 #include "projection.h"
 
 static Splines *SplinesOf(const Flow *flow)

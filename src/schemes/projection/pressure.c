@@ -64,11 +64,9 @@ static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Makes solves begin with the combination of earlier solutions that has the smallest residual, for
-  fixed particles unless LU solves exactly; the increments of moving particles differ too much from
-  step to step (Fischer, Comput. Methods Appl. Mech. Eng. 163, 1998)
-*/
+/* Makes solves begin with the combination of earlier solutions that has the smallest residual, for
+   fixed particles unless LU solves exactly; the increments of moving particles differ too much from
+   step to step (Fischer, Comput. Methods Appl. Mech. Eng. 163, 1998) */
 static PetscErrorCode ChooseGuess(const Flow *flow, Pressure *s)
 {
   const char *const prefix = s->guard.solve.prefix;
@@ -231,13 +229,10 @@ static PetscErrorCode PressureRenumber(const Flow *flow, const PressureMatrices 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes y/y^T 1 from the left null vector y of A, y^T A = 0, by a step of inverse iteration with
-  the factors
-
-  The c of a small s gives phi a mean as large as y^T b/s, which costs accuracy. PressureSolve()
-  therefore subtracts the uniform source from b beforehand, and LU needs a single iteration.
-*/
+/* Computes y/y^T 1 from the left null vector y of A, y^T A = 0, by a step of inverse iteration with
+   the factors. The c of a small s gives phi a mean as large as y^T b/s, which costs accuracy.
+   PressureSolve() therefore subtracts the uniform source from b beforehand, and LU needs a single
+   iteration. */
 static PetscErrorCode PressureSource(Pressure *s)
 {
   PCFailedReason failed;
@@ -346,11 +341,9 @@ static PetscErrorCode RenewPreconditioner(Flow *flow, Mat A, const PressureMatri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Gives new matrices to the KSP. The preconditioner is reused as SetUpHolds() says: displacements
-  change it little, but a renumbering invalidates it.
-  A checkpoint begins an epoch. A restarted run has no earlier solutions, so the guess forgets them.
-*/
+/* Gives new matrices to the KSP. The preconditioner is reused as SetUpHolds() says: displacements
+   change it little, but a renumbering invalidates it. A checkpoint begins an epoch. A restarted run
+   has no earlier solutions, so the guess forgets them. */
 static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 {
   const KSP        ksp = s->guard.solve.ksp;

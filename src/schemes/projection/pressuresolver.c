@@ -1,7 +1,5 @@
-/*
-  The default solver of the pressure, by the kind and the number of its unknowns. Options of the
-  preconditioner or of the matrix ask for AMG.
-*/
+/* The default solver of the pressure, by the kind and the number of its unknowns. Options of the
+   preconditioner or of the matrix ask for AMG. */
 #include "projection.h"
 
 #define LU_MOST     25000      /* unknowns up to which LU is faster than AMG */
@@ -40,12 +38,9 @@ static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks, PetscReal n)
   return IsFlatAndFixed(scene) && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST);
 }
 
-/*
-  Returns true for PETSc's AMG
-
-  On several ranks with few unknowns messages take as long as arithmetic. PETSc's AMG sends a third
-  of BoomerAMG's at the same arithmetic: its coarse levels are on fewer ranks. It needs more memory.
-*/
+/* Returns true for PETSc's AMG. On several ranks with few unknowns messages take as long as
+   arithmetic. PETSc's AMG sends a third of BoomerAMG's at the same arithmetic: its coarse levels
+   are on fewer ranks. It needs more memory. */
 static PetscBool TakesGAMG(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 {
   return IsFlatAndFixed(flow->scene) && ranks > 1 && n <= (PetscReal)ranks * GAMG_MOST;

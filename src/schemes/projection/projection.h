@@ -1,7 +1,6 @@
-/*
-  The projection scheme: its choices and state. Its options are in projectioncreate.c, the step in
-  projection.c, the step's parts in predict.c, correct.c, pressure.c; onparticles.c, onsplines.c.
-*/
+/* The projection scheme: its choices and state. Its options are in projectioncreate.c, the step in
+   projection.c, the step's parts in predict.c, correct.c, pressure.c; onparticles.c,
+   onsplines.c. */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 

@@ -1,7 +1,5 @@
-/*
-  The options of the projection scheme: the update of the pressure, its filter, and the convection
-  of fixed particles. Those of the points of the pressure are in pressurepoints.c.
-*/
+/* The options of the projection scheme: the update of the pressure, its filter, and the convection
+   of fixed particles. Those of the points of the pressure are in pressurepoints.c. */
 #include "projection.h"
 #include "schemes/surface/surface.h"
 

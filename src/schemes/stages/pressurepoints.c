@@ -1,7 +1,5 @@
-/*
-  The points of the pressure, which schemes share: the choice between particles and splines, the
-  options of splines, and what a scheme with splines answers about its pressure.
-*/
+/* The points of the pressure, which schemes share: the choice between particles and splines, the
+   options of splines, and what a scheme with splines answers about its pressure. */
 #include "pressurepoints.h"
 
 #define SPACING_STANDARD 2.0 /* of -pressure_spacing [dx] */

@@ -1,8 +1,6 @@
-/*
-  Stages of a step that schemes share, the observers of steps, and the choice of those that apply to
-  a flow. A list of stages stands with its scheme. A stage that a flow does not need, such as
-  openings in a closed box, costs it nothing.
-*/
+/* Stages of a step that schemes share, the observers of steps, and the choice of those that apply
+   to a flow. A list of stages stands with its scheme. A stage that a flow does not need, such as
+   openings in a closed box, costs it nothing. */
 #include "stages.h"
 
 #include "schemes/surface/surface.h"
@@ -201,8 +199,8 @@ static PetscErrorCode ListObservers(Flow *flow)
 }
 
 /* SchemeArrange - Chooses the stages and observers of the steps of a run; the stages are stages of
-   -log_view too. Collective. To be called when all parts of the run exist, before its first step.
-   */
+   -log_view too. Collective. To be called when all parts of the run exist, before its first
+   step. */
 PetscErrorCode SchemeArrange(Flow *flow)
 {
   Scheme   *s = flow->scheme;

@@ -1,10 +1,8 @@
-/*
-  Bursts. Viscous rows beside a free surface are those of fits, which are not symmetric. If few
-  particles determine them, as in noses, their matrix may be nearly singular: a flow of a few
-  particles hardly dissipates, and a step of any length drives it to a multiple of the largest
-  speed. Pair forces dissipate in any arrangement of particles. A step with a burst is therefore
-  solved again with pair forces about the particles that burst. See theory.md, (374).
-*/
+/* Bursts. Viscous rows beside a free surface are those of fits, which are not symmetric. If few
+   particles determine them, as in noses, their matrix may be nearly singular: a flow of a few
+   particles hardly dissipates, and a step of any length drives it to a multiple of the largest
+   speed. Pair forces dissipate in any arrangement of particles. A step with a burst is therefore
+   solved again with pair forces about the particles that burst. See theory.md, (374). */
 #include "surface.h"
 
 #define BURST  4.0  /* change of a velocity in a burst over the largest speed before [-] */
@@ -99,14 +97,11 @@ static PetscErrorCode DropPairs(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Lets a step with a burst be solved again with pair forces about the particles that burst, until
-  the velocity changes little
-
-  A burst is a change of the velocity of a particle with a fit by more than four times the largest
-  speed before. If pair forces do not halve the change, it is none of the fits, and the first solve
-  was right: it is done again and kept. From the second step on: the first may begin at rest.
-*/
+/* Lets a step with a burst be solved again with pair forces about the particles that burst, until
+   the velocity changes little. A burst is a change of the velocity of a particle with a fit by more
+   than four times the largest speed before. If pair forces do not halve the change, it is none of
+   the fits, and the first solve was right: it is done again and kept. From the second step on: the
+   first may begin at rest. */
 static PetscErrorCode DecideBurst(Flow *flow, Trial *trial, PetscBool *again)
 {
   Changes c;

@@ -1,12 +1,10 @@
-/*
-  Jumps of the velocity in fluids with a free surface. A fluid that meets a wall or other fluid
-  stops in the time in which viscosity crosses dx, or, as it is incompressible, at once. If a step
-  is longer, formulas of order 2 and 3 carry the velocity of before to later steps: after a stop
-  from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
-  the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
-  order 1. In closed flows walls change the velocity of their own layer only, and no place depends
-  on it; their formulas stay. See theory.md, (360) to (363).
-*/
+/* Jumps of the velocity in fluids with a free surface. A fluid that meets a wall or other fluid
+   stops in the time in which viscosity crosses dx, or, as it is incompressible, at once. If a step
+   is longer, formulas of order 2 and 3 carry the velocity of before to later steps: after a stop
+   from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
+   the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
+   order 1. In closed flows walls change the velocity of their own layer only, and no place depends
+   on it; their formulas stay. See theory.md, (360) to (363). */
 #include "surface.h"
 
 #define SMOOTH  0.06 /* largest J of a step of full order [-] */
@@ -43,13 +41,10 @@ static PetscErrorCode SumSquares(Flow *flow, const PetscReal factor[SUMS][3], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the least J = |d - s e|/max(|u^{n+1}|, |u^n|, |u^{n-1}|) for SLOWEST <= s <= 1, with root
-  mean squares, the change d = u^{n+1} - u^n and its extrapolation e = w (u^n - u^{n-1})
-
-  A velocity that decays by the factor s >= 1/2 in each step is smooth: BDF2 follows it without a
-  change of sign.
-*/
+/* Computes the least J = |d - s e|/max(|u^{n+1}|, |u^n|, |u^{n-1}|) for SLOWEST <= s <= 1, with
+   root mean squares, the change d = u^{n+1} - u^n and its extrapolation e = w (u^n - u^{n-1}). A
+   velocity that decays by the factor s >= 1/2 in each step is smooth: BDF2 follows it without a
+   change of sign. */
 static PetscErrorCode RelativeJump(Flow *flow, PetscReal *jump)
 {
   const PetscReal w               = ClockRatio(flow->clock);

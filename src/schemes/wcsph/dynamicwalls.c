@@ -1,8 +1,6 @@
-/*
-  Dynamic walls, -wall dynamic: dummies that stay behind the wall have densities of their own, by
-  the equation of the fluid, and so pressures that push back where the fluid comes near. Their
-  velocities are extended from the fluid along the normal of the wall.
-*/
+/* Dynamic walls, -wall dynamic: dummies that stay behind the wall have densities of their own, by
+   the equation of the fluid, and so pressures that push back where the fluid comes near. Their
+   velocities are extended from the fluid along the normal of the wall. */
 #include "wcsph.h"
 
 /* Sums over the fluid around a place. */

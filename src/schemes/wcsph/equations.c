@@ -1,7 +1,5 @@
-/*
-  Equations of state of the weakly compressible scheme, and the choices of its other families. Each
-  equation has the speed of sound c0 at the density rho_0 of rest.
-*/
+/* Equations of state of the weakly compressible scheme, and the choices of its other families. Each
+   equation has the speed of sound c0 at the density rho_0 of rest. */
 #include "wcsph.h"
 
 /* Pressure_Tait - Computes the pressure of a stiff liquid, p = rho_0 c0^2/gamma ((rho/rho_0)^gamma

@@ -1,8 +1,6 @@
-/*
-  The step of the weakly compressible scheme by an explicit PETSc TS. Its vector holds positions,
-  velocities and, as far as they are unknowns, densities and energies of the own particles, one
-  component after the other. Owners and numbers of particles are constant within a step.
-*/
+/* The step of the weakly compressible scheme by an explicit PETSc TS. Its vector holds positions,
+   velocities and, as far as they are unknowns, densities and energies of the own particles, one
+   component after the other. Owners and numbers of particles are constant within a step. */
 #include "wcsph.h"
 
 /* Copies a vector of the TS to arrays. */
@@ -46,13 +44,9 @@ static PetscReal Smallest(PetscInt n, const PetscReal *value, PetscReal rest)
   return least;
 }
 
-/*
-  Fails the step if a particle has moved too far since its start, or is nowhere, or if a density or
-  an internal energy is not positive
-
-  The square of the speed of sound is positive only if these are. Sums of the kernel always are.
-  Input: rho, e - of own fluid, in the unknowns of the TS
-*/
+/* Fails the step if a particle has moved too far since its start, or is nowhere, or if a density or
+   an internal energy is not positive. The square of the speed of sound is positive only if these
+   are. Sums of the kernel always are. Input: rho, e - of own fluid, in the unknowns of the TS. */
 static PetscErrorCode CheckUnknowns(Flow *flow, const Wcsph *w, const PetscReal *rho,
                                     const PetscReal *e)
 {

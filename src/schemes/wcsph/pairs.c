@@ -1,7 +1,5 @@
-/*
-  Sums over the neighbours of a particle i. Neighbour k has pressure p_k, density rho_k, velocity
-  difference du_k = u_k - u_i, and c_k = V_k grad_i W_k, with the chosen correction.
-*/
+/* Sums over the neighbours of a particle i. Neighbour k has pressure p_k, density rho_k, velocity
+   difference du_k = u_k - u_i, and c_k = V_k grad_i W_k, with the chosen correction. */
 #include "wcsph.h"
 
 #define MIRROR 2.0 /* factor of u_wall - u_i in the velocity of a mirror image */

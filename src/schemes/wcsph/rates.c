@@ -1,7 +1,6 @@
-/*
-  The rates of change of positions, velocities, densities and energies, computed in one stream over
-  the stencils of all particles; with -density_form summation a stream for the density comes first.
-*/
+/* The rates of change of positions, velocities, densities and energies, computed in one stream over
+   the stencils of all particles; with -density_form summation a stream for the density comes
+   first. */
 #include "wcsph.h"
 
 /* WcsphReserve - Makes room for values of all local particles */
@@ -111,12 +110,9 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Computes the part f of the body force with which dummies continue the pressure
-
-  The stress of a form of two passes is continued by its slope, which balances the body force along
-  a wall. No pressure then balances this force a second time: theory.md, (305).
-*/
+/* Computes the part f of the body force with which dummies continue the pressure. The stress of a
+   form of two passes is continued by its slope, which balances the body force along a wall. No
+   pressure then balances this force a second time: theory.md, (305). */
 static void ContinuingForce(const Wcsph *w, const PetscReal force[], PetscReal f[])
 {
   const Scene *scene = w->flow->scene;

@@ -1,7 +1,5 @@
-/*
-  Particle shifting in a step of the weakly compressible scheme. The sweep of the first stage has
-  all sums that a shift needs; the shift takes place after the last stage.
-*/
+/* Particle shifting in a step of the weakly compressible scheme. The sweep of the first stage has
+   all sums that a shift needs; the shift takes place after the last stage. */
 #include "wcsph.h"
 
 /* Sums of a shift: gradients of velocity and density, and the Laplacian of the velocity by the

@@ -1,8 +1,6 @@
-/*
-  Forms of two passes: the first computes the velocity gradient and the stress of each particle, the
-  second the force from the stresses of its neighbours. Transposed forms give the pressure and the
-  density the same gradient, so that momentum and energy stay.
-*/
+/* Forms of two passes: the first computes the velocity gradient and the stress of each particle,
+   the second the force from the stresses of its neighbours. Transposed forms give the pressure and
+   the density the same gradient, so that momentum and energy stay. */
 #include "wcsph.h"
 
 #define WEAK 10.0 /* largest diagonal entry of an inverse moment matrix [-] */
@@ -27,11 +25,9 @@ static PetscBool IsExterior(const Wcsph *w, const Stencil *st)
   return PETSC_FALSE;
 }
 
-/*
-  Computes the inverse of M = sum_k V_k (grad_i W) X^T, which is I inside the fluid and about I/2 on
-  a plane surface. Returns false if the neighbours hardly span space, as in a string of particles:
-  an entry of the diagonal of M^-1 is above WEAK. Input: weight - workspace.
-*/
+/* Computes the inverse of M = sum_k V_k (grad_i W) X^T, which is I inside the fluid and about I/2
+   on a plane surface. Returns false if the neighbours hardly span space, as in a string of
+   particles: an entry of the diagonal of M^-1 is above WEAK. Input: weight - workspace. */
 static PetscBool FirmMoment(const Stencil *st, PetscReal weight[], PetscReal inverse[])
 {
   const PetscInt d = st->dim;

@@ -1,8 +1,6 @@
-/*
-  State and functions of the weakly compressible scheme. wcsphcreate.c reads its options,
-  equations.c has the equations of state, rates.c the rates of change, pairs.c the sums over
-  neighbours, dynamicwalls.c the densities of walls, and integrate.c the TS.
-*/
+/* State and functions of the weakly compressible scheme. wcsphcreate.c reads its options,
+   equations.c has the equations of state, rates.c the rates of change, pairs.c the sums over
+   neighbours, dynamicwalls.c the densities of walls, and integrate.c the TS. */
 #ifndef ISPH_SCHEMES_WCSPH_H
 #define ISPH_SCHEMES_WCSPH_H
 

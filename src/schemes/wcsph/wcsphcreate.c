@@ -89,14 +89,11 @@ static PetscErrorCode Refuse(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns the default of -acoustic_cfl [-]
-
-  Runge-Kutta methods of second order have no interval of stability on the imaginary axis: without
-  viscosity each step of dt = 0.25 h/c0 feeds waves of the grid scale. In the cavity at Re = 100, n
-  = 25, all runs with midpoint and 0.25 were lost before t = 5, and none with 0.1. Methods of third
-  order are stable up to 1.7 over the largest frequency.
-*/
+/* Returns the default of -acoustic_cfl [-]. Runge-Kutta methods of second order have no interval of
+   stability on the imaginary axis: without viscosity each step of dt = 0.25 h/c0 feeds waves of the
+   grid scale. In the cavity at Re = 100, n = 25, all runs with midpoint and 0.25 were lost before t
+   = 5, and none with 0.1. Methods of third order are stable up to 1.7 over the largest
+   frequency. */
 static PetscErrorCode DefaultCourant(PetscReal *courant)
 {
   const char *const second[] = {"midpoint", "2a", "2b"};
