@@ -405,8 +405,7 @@ PetscErrorCode InterfacesFollow(Particles *p, const Neighbors *nb)
     p->interface[i] = all[i].d;
     for (PetscInt a = 0; a < p->dim; a++) p->interface_normal[a][i] = all[i].n[a];
   }
-  PetscCall(PetscFree(front));
-  PetscCall(PetscFree(all));
+  PetscCall(FreeAll(&front, &all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,8 +55,7 @@ PetscErrorCode AttemptDestroy(Attempt **attempt)
   if (!*attempt) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree2((*attempt)->memory, (*attempt)->memory_solve));
   PetscCall(PetscFree((*attempt)->record));
-  PetscCall(VecDestroy(&(*attempt)->kept));
-  PetscCall(VecDestroy(&(*attempt)->kept_solve));
+  PetscCall(VecDestroyAll(&(*attempt)->kept, &(*attempt)->kept_solve));
   PetscCall(PetscFree(*attempt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,21 +32,14 @@ static PetscErrorCode FlowStateFree(FlowState *s)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(VecDestroy(&s->u[a]));
-    PetscCall(VecDestroy(&s->u_prev[a]));
-    PetscCall(VecDestroy(&s->u_before[a]));
-    PetscCall(VecDestroy(&s->convection_prev[a]));
-    PetscCall(VecDestroy(&s->convection_before[a]));
-    PetscCall(VecDestroy(&s->correction_prev[a]));
-    PetscCall(VecDestroy(&s->u_next[a]));
-    PetscCall(VecDestroy(&s->interface[a]));
+    PetscCall(VecDestroyAll(&s->u[a], &s->u_prev[a], &s->u_before[a], &s->convection_prev[a],
+                            &s->convection_before[a], &s->correction_prev[a], &s->u_next[a],
+                            &s->interface[a]));
   }
   PetscCall(VecDestroy(&s->p));
   PetscCall(PetscFree(s->kept_fits.number));
   s->kept_fits = (KeptFits){.n = 0};
-  PetscCall(VecDestroy(&s->p_before));
-  PetscCall(VecDestroy(&s->divergence));
-  PetscCall(VecDestroy(&s->source));
+  PetscCall(VecDestroyAll(&s->p_before, &s->divergence, &s->source));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -171,8 +171,7 @@ static PetscErrorCode AddTractions(const Flow *flow, PetscInt side, const Reacti
     }
     AddLoad(dim, r->centre, x, load, F, T);
   }
-  PetscCall(PetscFree(f));
-  PetscCall(PetscFree(p));
+  PetscCall(FreeAll(&f, &p));
   PetscCall(FacetsFree(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -260,8 +259,7 @@ PetscErrorCode ReactionDestroy(Reaction **reaction)
   PetscCall(FacetsFree(&(*reaction)->facets));
   PetscCall(FacetsFree(&(*reaction)->fine));
   PetscCall(LayerFree(&(*reaction)->layer));
-  PetscCall(PetscFree((*reaction)->fits.number));
-  PetscCall(PetscFree(*reaction));
+  PetscCall(FreeAll(&(*reaction)->fits.number, reaction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -184,8 +184,6 @@ PetscErrorCode LayerSet(const Scene *scene, PetscInt side, const Facets *s, Laye
 PetscErrorCode LayerFree(Layer *l)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(l->x));
-  PetscCall(PetscFree(l->gradient));
-  PetscCall(PetscFree(l->volume));
+  PetscCall(FreeAll(&l->x, &l->gradient, &l->volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

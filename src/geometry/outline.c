@@ -126,8 +126,7 @@ PetscBool OutlineIsApart(const Outline *o, const PetscReal lo[2], const PetscRea
 PetscErrorCode OutlineFree(Outline *o)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(o->x));
-  PetscCall(PetscFree(o->piece));
+  PetscCall(FreeAll(&o->x, &o->piece));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

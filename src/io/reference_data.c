@@ -87,8 +87,7 @@ PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceDat
 PetscErrorCode ReferenceDataFree(ReferenceData *curve)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(curve->x));
-  PetscCall(PetscFree(curve->y));
+  PetscCall(FreeAll(&curve->x, &curve->y));
   curve->n = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

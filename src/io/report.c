@@ -27,8 +27,7 @@ PetscErrorCode ReportDestroy(Report **report)
 {
   PetscFunctionBegin;
   if (!*report) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree((*report)->quantity));
-  PetscCall(PetscFree(*report));
+  PetscCall(FreeAll(&(*report)->quantity, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -98,8 +98,7 @@ PetscErrorCode SnapshotsDestroy(Snapshots **snapshots)
 {
   PetscFunctionBegin;
   if (!*snapshots) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree((*snapshots)->done));
-  PetscCall(PetscFree(*snapshots));
+  PetscCall(FreeAll(&(*snapshots)->done, snapshots));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

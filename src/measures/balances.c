@@ -377,9 +377,7 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
   for (PetscInt side = 0; side < n; side++) {
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES)) continue;
     AddLoads(flow, &of[side], flow->ops->free ? scene->outside : l.pressure / l.area, &l);
-    PetscCall(PetscFree(of[side].f));
-    PetscCall(PetscFree(of[side].p));
-    PetscCall(PetscFree(of[side].u));
+    PetscCall(FreeAll(&of[side].f, &of[side].p, &of[side].u));
     PetscCall(FacetsFree(&of[side].s));
   }
   PetscCall(PetscFree(of));

@@ -238,11 +238,9 @@ PetscErrorCode DefectDestroy(Defect *d)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree4(d->mass, d->nu, d->rows.row, d->rows.wall));
-  PetscCall(PetscFree(d->rows.col));
-  PetscCall(PetscFree(d->rows.conductance));
+  PetscCall(FreeAll(&d->rows.col, &d->rows.conductance));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscFree(d->momentum[a]));
-    PetscCall(PetscFree(d->rows.slope[a]));
+    PetscCall(FreeAll(&d->momentum[a], &d->rows.slope[a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -156,10 +156,7 @@ static PetscErrorCode GradientsDestroy(Gradients *g)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < g->dim; a++) PetscCall(MatDestroy(&g->G[a]));
-  PetscCall(VecDestroy(&g->volume));
-  PetscCall(VecDestroy(&g->diagonal));
-  PetscCall(VecDestroy(&g->slope));
-  PetscCall(VecDestroy(&g->product));
+  PetscCall(VecDestroyAll(&g->volume, &g->diagonal, &g->slope, &g->product));
   PetscCall(MatDestroy(&g->N));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -242,8 +239,7 @@ static PetscErrorCode ProjectMomentum(const Flow *flow, const Defect *d, const G
     PetscCall(VecAXPY(r[a], -1.0, g->slope));
     if (SceneKeepsMomentum(flow->scene)) PetscCall(FluidRemoveMean(p, r[a]));
   }
-  PetscCall(VecDestroy(&b));
-  PetscCall(VecDestroy(&phi));
+  PetscCall(VecDestroyAll(&b, &phi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -308,8 +304,7 @@ PetscErrorCode DefectError(const Flow *flow, Defect *d, PetscReal *error)
   }
   *error = PetscSqrtReal(sum / p->weight);
   PetscCall(MatDestroy(&K));
-  PetscCall(VecDestroy(&e));
-  PetscCall(VecDestroy(&psi));
+  PetscCall(VecDestroyAll(&e, &psi));
   PetscCall(GradientsDestroy(&g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

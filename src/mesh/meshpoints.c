@@ -38,9 +38,7 @@ static PetscErrorCode Add(const PetscReal x[3], const PetscReal normal[3], Petsc
 static PetscErrorCode FreePieces(Pieces *p)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(p->x));
-  PetscCall(PetscFree(p->normal));
-  PetscCall(PetscFree(p->area));
+  PetscCall(FreeAll(&p->x, &p->normal, &p->area));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

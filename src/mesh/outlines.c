@@ -148,8 +148,7 @@ static PetscErrorCode Read(const char option[], const char text[], Body *body)
               "%s: %s: its outlines cross each other; unite them first", option, path);
   }
   PetscCall(PetscFree3(part, operation, around));
-  PetscCall(PetscFree(file.number));
-  PetscCall(PetscFree(path));
+  PetscCall(FreeAll(&file.number, &path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -232,8 +232,7 @@ static PetscErrorCode BeginPattern(const Particles *p, const Neighbors *nb, Oper
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < count; k++) {
-    PetscCall(MatDestroy(&needed[k]->A));
-    PetscCall(MatDestroy(&needed[k]->B));
+    PetscCall(MatDestroyAll(&needed[k]->A, &needed[k]->B));
   }
   PetscCall(PatternBegin(&rows->fluid, rows->has_columns, p->n_fluid, entries));
   if (ops->forms.wall) PetscCall(PatternBegin(&rows->walls, rows->has_columns, p->n_fluid, walls));
@@ -290,8 +289,7 @@ static PetscErrorCode ReserveWeights(PetscInt fluid, PetscInt walls, AffineOpera
   rows->weights_capacity = fluid;
   rows->walls_capacity   = walls;
   for (PetscInt k = 0; k < count; k++) {
-    PetscCall(PetscFree(needed[k]->a));
-    PetscCall(PetscFree(needed[k]->b));
+    PetscCall(FreeAll(&needed[k]->a, &needed[k]->b));
     if (!AffineShares(needed[k])) PetscCall(PetscMalloc1(fluid * needed[k]->width, &needed[k]->a));
     if (walls) PetscCall(PetscMalloc1(walls * needed[k]->width, &needed[k]->b));
   }
@@ -391,8 +389,7 @@ static PetscErrorCode AssembleWeak(const Scene *scene, const Particles *p, const
   const PetscBool      products = ops->cut_surface && p->dim == 3;
 
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&visc->A));
-  PetscCall(MatDestroy(&visc->B));
+  PetscCall(MatDestroyAll(&visc->A, &visc->B));
   for (PetscInt k = 0; k < 2; k++) PetscCall(MatDestroy(&ops->cut_part[k]));
   PetscCall(
       StrainAssemble(scene, p, nb, StrainEdge(scene), ops->forms.degree, &velocity, &ops->strain));

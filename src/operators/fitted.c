@@ -53,8 +53,7 @@ PetscErrorCode FittedDestroy(FittedRows **rows)
   PetscFunctionBegin;
   if (!*rows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FreeNeighbors(*rows));
-  PetscCall(PetscFree((*rows)->coefficient));
-  PetscCall(PetscFree(*rows));
+  PetscCall(FreeAll(&(*rows)->coefficient, rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

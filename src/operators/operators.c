@@ -225,11 +225,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
 static PetscErrorCode AffineFree(AffineOperator *op)
 {
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&op->A));
-  PetscCall(MatDestroy(&op->B));
-  PetscCall(PetscFree(op->a));
-  PetscCall(PetscFree(op->b));
-  PetscCall(PetscFree(op->apart));
+  PetscCall(MatDestroyAll(&op->A, &op->B));
+  PetscCall(FreeAll(&op->a, &op->b, &op->apart));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -244,13 +241,10 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) PetscCall(AffineFree(all[k]));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscFree(ops->concentration.gradient[a]));
-    PetscCall(PetscFree(ops->work->g[a]));
+    PetscCall(FreeAll(&ops->concentration.gradient[a], &ops->work->g[a]));
   }
-  PetscCall(PetscFree(ops->concentration.value));
-  PetscCall(PetscFree(ops->forms.visc.factor));
-  PetscCall(PetscFree(ops->forms.visc.share));
-  PetscCall(PetscFree(ops->forms.ppe.factor));
+  PetscCall(FreeAll(&ops->concentration.value, &ops->forms.visc.factor, &ops->forms.visc.share,
+                    &ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(StrainDestroy(&ops->strain));
@@ -265,8 +259,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PetscFree(ops->rows.run));
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));
-  PetscCall(PetscFree(ops->rows.apart));
-  PetscCall(PetscFree(ops->rows.value));
+  PetscCall(FreeAll(&ops->rows.apart, &ops->rows.value));
   PetscCall(FittedDestroy(&ops->rows.fitted));
   PetscCall(PetscFree(*operators));
   PetscFunctionReturn(PETSC_SUCCESS);

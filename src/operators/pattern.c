@@ -227,9 +227,7 @@ PetscErrorCode PatternBlocks(const Particles *p, PetscInt entries, const Pattern
 PetscErrorCode PatternFree(Pattern *pattern)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(pattern->row));
-  PetscCall(PetscFree(pattern->col));
-  PetscCall(PetscFree(pattern->local));
+  PetscCall(FreeAll(&pattern->row, &pattern->col, &pattern->local));
   pattern->n = pattern->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,9 +16,7 @@ PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows)
 static PetscErrorCode RowsFree(SparseRows *rows)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(rows->row));
-  PetscCall(PetscFree(rows->col));
-  PetscCall(PetscFree(rows->value));
+  PetscCall(FreeAll(&rows->row, &rows->col, &rows->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -157,8 +157,7 @@ static PetscErrorCode Product_Destroy(Mat A)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &of));
-  PetscCall(PetscFree(of->u));
-  PetscCall(PetscFree(of));
+  PetscCall(FreeAll(&of->u, &of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -109,8 +109,7 @@ PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cel
 PetscErrorCode CellsFree(Cells *cells)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(cells->start));
-  PetscCall(PetscFree(cells->list));
+  PetscCall(FreeAll(&cells->start, &cells->list));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(cells->x[a]));
   PetscCall(PetscMemzero(cells, sizeof(*cells)));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -204,13 +204,7 @@ PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
                           &n_from, &received));
   PetscCall(HaloConnect(scene, p, n_sources, source, n_from, received));
   PetscCall(HaloFill(p));
-  PetscCall(PetscFree(received));
-  PetscCall(PetscFree(n_from));
-  PetscCall(PetscFree(source));
-  PetscCall(PetscFree(sent));
-  PetscCall(PetscFree(list.item));
-  PetscCall(PetscFree(list.rank));
-  PetscCall(PetscFree(n_to));
+  PetscCall(FreeAll(&received, &n_from, &source, &sent, &list.item, &list.rank, &n_to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -207,11 +207,6 @@ PetscErrorCode ParticlesMigrate(const Scene *scene, Particles *p, const PetscInt
   PetscCall(SortItems(scene, p, &items, &keys));
   PetscCall(ArrangeItems(p, &items, keys));
   PetscCall(NumberParticles(p));
-  PetscCall(PetscFree(keys));
-  PetscCall(PetscFree(kept));
-  PetscCall(PetscFree(records));
-  PetscCall(PetscFree(n_from));
-  PetscCall(PetscFree(source));
-  PetscCall(PetscFree(n_to));
+  PetscCall(FreeAll(&keys, &kept, &records, &n_from, &source, &n_to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

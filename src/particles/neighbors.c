@@ -33,9 +33,7 @@ PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
 PetscErrorCode NeighborsRelease(Neighbors *nb)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(nb->row));
-  PetscCall(PetscFree(nb->col));
-  PetscCall(PetscFree(nb->reach2));
+  PetscCall(FreeAll(&nb->row, &nb->col, &nb->reach2));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
   PetscCall(CellsFree(&nb->cells));
   nb->row_capacity = nb->col_capacity = nb->epoch = 0;

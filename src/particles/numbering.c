@@ -20,9 +20,7 @@ static PetscErrorCode SendIds(const Particles *p, PetscInt n, PetscInt64 id[], P
       ExchangeItems(p->comm, MPIU_INT64, 1, n_to, id, &n_sources, &source, &n_of_source, received));
   *n_received = 0;
   for (PetscMPIInt s = 0; s < n_sources; s++) *n_received += n_of_source[s];
-  PetscCall(PetscFree(n_of_source));
-  PetscCall(PetscFree(source));
-  PetscCall(PetscFree(n_to));
+  PetscCall(FreeAll(&n_of_source, &source, &n_to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -44,7 +42,6 @@ PetscErrorCode ParticlesCountRepeated(const Particles *p, PetscInt n, const Pets
   *repeated = 0;
   for (PetscInt k = 1; k < n_received; k++) *repeated += received[k] == received[k - 1];
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, repeated, 1, MPIU_INT, MPI_SUM, p->comm));
-  PetscCall(PetscFree(received));
-  PetscCall(PetscFree(id));
+  PetscCall(FreeAll(&received, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

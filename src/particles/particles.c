@@ -90,9 +90,7 @@ PetscErrorCode ParticlesDestroy(Particles **particles)
     }
   }
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(p->halo_shift[a]));
-  PetscCall(PetscFree(p->id));
-  PetscCall(PetscFree(p->kind));
-  PetscCall(PetscFree(p->row));
+  PetscCall(FreeAll(&p->id, &p->kind, &p->row));
   PetscCall(PetscFree2(p->cut_axis, p->cut));
   PetscCall(PetscSFDestroy(&p->sf));
   PetscCallMPI(MPI_Type_free(&p->vector));

@@ -167,9 +167,7 @@ static PetscErrorCode PatchCreate(Scene *scene, Patch *patch)
 static PetscErrorCode PatchDestroy(Patch *patch)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&patch->f));
-  PetscCall(VecDestroy(&patch->f_around));
-  PetscCall(VecDestroy(&patch->exact));
+  PetscCall(VecDestroyAll(&patch->f, &patch->f_around, &patch->exact));
   PetscCall(NeighborsDestroy(&patch->neighbors));
   PetscCall(ParticlesDestroy(&patch->particles));
   PetscCall(OperatorsDestroy(&patch->ops));

@@ -57,8 +57,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   PetscCall(ReportAdd(report, "solve_its", guard.iterations));
   PetscCall(ReportAdd(report, "setup_s", ready - start));
   PetscCall(ReportAdd(report, "solve_s", end - ready));
-  PetscCall(VecDestroy(&f));
-  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroyAll(&f, &b));
   PetscCall(MatDestroy(&A));
   PetscCall(KSPDestroy(&ksp));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -56,8 +56,7 @@ PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
   PetscCall(AllEigenvalues(A, &eigenvalue[0], &eigenvalue[1]));
   PetscCall(MatTransposeMatMult(A, A, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
   PetscCall(AllEigenvalues(square, &least, &most));
-  PetscCall(MatDestroy(&square));
-  PetscCall(MatDestroy(&A));
+  PetscCall(MatDestroyAll(&square, &A));
   PetscCall(ReportAdd(report, "eig_min", eigenvalue[0]));
   PetscCall(ReportAdd(report, "eig_max", eigenvalue[1]));
   PetscCall(

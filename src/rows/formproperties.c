@@ -112,8 +112,7 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
 
   PetscFunctionBegin;
   if (!form->row || !form->row->Factor) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(form->factor));
-  PetscCall(PetscFree(form->share));
+  PetscCall(FreeAll(&form->factor, &form->share));
   PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
   if (form->halved) PetscCall(PetscMalloc1(p->n_fluid + 1, &form->share));
   for (PetscInt i = 0; i < p->n_fluid; i++) {

@@ -317,12 +317,8 @@ static PetscErrorCode CheckRecords(const Run *run, const char path[], const Stor
 static PetscErrorCode StoredFree(Stored *stored)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(stored->memory));
-  PetscCall(PetscFree(stored->report));
-  PetscCall(PetscFree(stored->snapshots));
-  PetscCall(PetscFree(stored->names));
-  PetscCall(PetscFree(stored->record));
-  PetscCall(PetscFree(stored->kept));
+  PetscCall(FreeAll(&stored->memory, &stored->report, &stored->snapshots, &stored->names,
+                    &stored->record, &stored->kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -166,9 +166,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
 PetscErrorCode StartFree(FluidStart *start)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(start->x));
-  PetscCall(PetscFree(start->u));
-  PetscCall(PetscFree(start->nu));
+  PetscCall(FreeAll(&start->x, &start->u, &start->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -110,9 +110,7 @@ PetscErrorCode InterfacePointsCreate(const Scene *scene, InterfacePoints *points
 PetscErrorCode InterfacePointsDestroy(InterfacePoints *points)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(points->region));
-  PetscCall(PetscFree(points->x));
-  PetscCall(PetscFree(points->normal));
+  PetscCall(FreeAll(&points->region, &points->x, &points->normal));
   points->n = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -279,11 +279,9 @@ PetscErrorCode SceneDestroy(Scene **scene)
   if (!*scene) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ScalarsFree(&(*scene)->scalar, (*scene)->n_scalars));
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
-  PetscCall(PetscFree((*scene)->pose));
-  PetscCall(PetscFree((*scene)->regime));
+  PetscCall(FreeAll(&(*scene)->pose, &(*scene)->regime));
   PetscCall(SceneFreeShapes(*scene));
   if ((*scene)->frame) PetscCall(PetscFree((*scene)->frame->sum));
-  PetscCall(PetscFree((*scene)->frame));
-  PetscCall(PetscFree(*scene));
+  PetscCall(FreeAll(&(*scene)->frame, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

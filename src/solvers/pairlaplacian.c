@@ -137,7 +137,6 @@ PetscErrorCode PairPoisson(const Flow *flow, Mat *A)
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) sum[i] = PetscMax(sum[i], 0.0);
   PetscCall(VecRestoreArray(sums, &sum));
   PetscCall(PairLaplacian(flow, one, NULL, sums, free ? free->kind : NULL, A));
-  PetscCall(VecDestroy(&sums));
-  PetscCall(VecDestroy(&one));
+  PetscCall(VecDestroyAll(&sums, &one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -361,11 +361,8 @@ PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies)
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree2(s->fraction, s->cut));
   for (PetscInt k = 0; k < s->n_cut; k++) PetscCall(PetscFree(s->cuts[k].integral));
-  PetscCall(PetscFree(s->cuts));
-  PetscCall(PetscFree(s->patches));
+  PetscCall(FreeAll(&s->cuts, &s->patches));
   for (PetscInt a = 0; a < 2; a++) PetscCall(PetscFree(s->x[a]));
-  PetscCall(PetscFree(s->weight));
-  PetscCall(PetscFree(s->surface));
-  PetscCall(PetscFree(*bodies));
+  PetscCall(FreeAll(&s->weight, &s->surface, bodies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -425,11 +425,7 @@ PetscErrorCode SplineExtensionDestroy(SplineExtension **extension)
 
   PetscFunctionBegin;
   if (!e) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(e->slave));
-  PetscCall(PetscFree(e->slaves));
-  PetscCall(PetscFree(e->range));
-  PetscCall(PetscFree(e->width));
-  PetscCall(PetscFree(*extension));
+  PetscCall(FreeAll(&e->slave, &e->slaves, &e->range, &e->width, extension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -14,9 +14,7 @@
 PetscErrorCode SplineFitsFree(SplineFits *f)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(f->j));
-  PetscCall(PetscFree(f->w));
-  PetscCall(PetscFree(f->value));
+  PetscCall(FreeAll(&f->j, &f->w, &f->value));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
       PetscCall(PetscFree2(f->first[a][b], f->last[a][b]));

@@ -108,8 +108,7 @@ static PetscInt SplitAxis(const Splines *s, PetscMPIInt ranks)
 static PetscErrorCode FreeSlabs(SplineInverse *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&v->slab.v));
-  PetscCall(VecDestroy(&v->turned.v));
+  PetscCall(VecDestroyAll(&v->slab.v, &v->turned.v));
   PetscCall(VecScatterDestroy(&v->deal));
   PetscCall(VecScatterDestroy(&v->turn));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -134,8 +134,7 @@ static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, M
     PetscCall(MatTranspose(T, MAT_INITIAL_MATRIX, &transposed));
     PetscCall(MatDestroy(&T));
     PetscCall(SplineProductMat(transposed, fit, a ? &part : D));
-    PetscCall(MatDestroy(&transposed));
-    PetscCall(MatDestroy(&fit));
+    PetscCall(MatDestroyAll(&transposed, &fit));
     if (!a) continue;
     PetscCall(MatAXPY(*D, 1.0, part, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&part));
@@ -272,8 +271,7 @@ static PetscErrorCode JumpPenalty(const Particles *p, const StrainCells *cells, 
   }
   PetscCall(VecRestoreArray(whole, &m));
   PetscCall(VecRestoreArray(gamma, &g));
-  PetscCall(VecDestroy(&volume));
-  PetscCall(VecDestroy(&whole));
+  PetscCall(VecDestroyAll(&volume, &whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -320,8 +318,7 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
     }
     PetscCall(VecDuplicate(gamma, &s->jumps[f - 1]));
     PetscCall(VecSet(s->jumps[f - 1], 0.0));
-    PetscCall(MatDestroy(&back));
-    PetscCall(MatDestroy(&part));
+    PetscCall(MatDestroyAll(&back, &part));
     PetscCall(VecDestroy(&gamma));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -387,9 +384,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
   if (ops->cut_surface && s->has_products) PetscCall(SplineSurfaceStiffness(s));
   PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
-  PetscCall(MatDestroy(&all));
-  PetscCall(MatDestroy(&T[0]));
-  PetscCall(MatDestroy(&T[1]));
+  PetscCall(MatDestroyAll(&all, &T[0], &T[1]));
   if (!ops->cut_surface) PetscCall(StrainDestroy(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,9 +10,7 @@ PetscErrorCode SplinePointsFree(SplinePoints *points)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscFree(points->x[a]));
-    PetscCall(PetscFree(points->normal[a]));
-    PetscCall(PetscFree(points->stretch[a]));
+    PetscCall(FreeAll(&points->x[a], &points->normal[a], &points->stretch[a]));
   }
   PetscCall(PetscFree3(points->weight, points->side, points->patch));
   points->n = points->capacity = 0;

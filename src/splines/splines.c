@@ -195,14 +195,11 @@ PetscErrorCode SplinesCutFree(Splines *s)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
-  PetscCall(MatDestroy(&s->surface));
-  PetscCall(MatDestroy(&s->values));
-  PetscCall(MatDestroy(&s->slopes));
+  PetscCall(MatDestroyAll(&s->surface, &s->values, &s->slopes));
   PetscCall(PetscFree(s->slave));
   PetscCall(VecDestroy(&s->cut_gradient));
   for (PetscInt f = 0; f < s->n_jumps; f++) {
-    PetscCall(MatDestroy(&s->jump[f][0]));
-    PetscCall(MatDestroy(&s->jump[f][1]));
+    PetscCall(MatDestroyAll(&s->jump[f][0], &s->jump[f][1]));
     PetscCall(VecDestroy(&s->jumps[f]));
   }
   PetscCall(PetscFree2(s->jump, s->jumps));
@@ -215,17 +212,9 @@ static PetscErrorCode FreeNumbered(Splines *s)
 {
   PetscFunctionBegin;
   PetscCall(SplineWindowFree(&s->window));
-  PetscCall(MatDestroy(&s->S));
-  PetscCall(MatDestroy(&s->K));
-  PetscCall(MatDestroy(&s->M));
-  PetscCall(MatDestroy(&s->A));
+  PetscCall(MatDestroyAll(&s->S, &s->K, &s->M, &s->A));
   PetscCall(SplinesCutFree(s));
-  PetscCall(VecDestroy(&s->mass));
-  PetscCall(VecDestroy(&s->p));
-  PetscCall(VecDestroy(&s->phi));
-  PetscCall(VecDestroy(&s->b));
-  PetscCall(VecDestroy(&s->divergence));
-  PetscCall(VecDestroy(&s->wall_flux));
+  PetscCall(VecDestroyAll(&s->mass, &s->p, &s->phi, &s->b, &s->divergence, &s->wall_flux));
   PetscCall(VecScatterDestroy(&s->renumber));
   PetscCall(PetscFree(s->unused));
   PetscCall(SplinePointsFree(&s->inside));
@@ -293,11 +282,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 PetscErrorCode SplineMixtureFree(SplineMixture *m)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&m->volume));
-  PetscCall(VecDestroy(&m->share));
-  PetscCall(VecDestroy(&m->density));
-  PetscCall(VecDestroy(&m->potential));
-  PetscCall(VecDestroy(&m->all));
+  PetscCall(VecDestroyAll(&m->volume, &m->share, &m->density, &m->potential, &m->all));
   PetscCall(VecScatterDestroy(&m->collect));
   PetscCall(PetscFree(m->inertia));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -314,8 +299,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscCall(SplinePlacesFree(&s->inside_at));
   PetscCall(SplineBodiesDestroy(&s->bodies));
   PetscCall(SplineExtensionDestroy(&s->extension));
-  PetscCall(VecDestroy(&s->kept));
-  PetscCall(VecDestroy(&s->natural));
+  PetscCall(VecDestroyAll(&s->kept, &s->natural));
   PetscCall(PetscFree(s->block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

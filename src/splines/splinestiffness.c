@@ -255,8 +255,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   RowWidths(s, seen, width);
   PetscCall(SplineMat(p->comm, b->size, b->size, width, &s->K));
   if (s->bodies || s->has_products) PetscCall(SplineMat(p->comm, b->size, b->size, width, &M));
-  PetscCall(PetscFree(width));
-  PetscCall(PetscFree(seen));
+  PetscCall(FreeAll(&width, &seen));
   PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
   PetscCall(PetscMalloc1(b->size, &s->unused));
   s->n_unused = 0;

@@ -64,8 +64,7 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
   }
   PetscCall(VecRestoreArrayRead(all, &from));
   PetscCall(VecScatterDestroy(&collect));
-  PetscCall(VecDestroy(&own));
-  PetscCall(VecDestroy(&all));
+  PetscCall(VecDestroyAll(&own, &all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -218,8 +217,7 @@ static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Sp
   PetscCall(MatScale(weighted, PetscPowReal(s->scale, -(PetscReal)p->dim)));
   PetscCall(SplineGathered(extended, weighted, &s->M));
   PetscCall(UnusedRows(s, s->M));
-  PetscCall(MatDestroy(&extended));
-  PetscCall(MatDestroy(&weighted));
+  PetscCall(MatDestroyAll(&extended, &weighted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -296,8 +294,7 @@ static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p
     PetscCall(MatDuplicate(B, MAT_COPY_VALUES, &weighted));
     PetscCall(MatDiagonalScale(weighted, factor, NULL));
     PetscCall(SplineGathered(B, weighted, a ? &part : &s->slopes));
-    PetscCall(MatDestroy(&weighted));
-    PetscCall(MatDestroy(&B));
+    PetscCall(MatDestroyAll(&weighted, &B));
     if (!a) continue;
     PetscCall(MatAXPY(s->slopes, 1.0, part, SAME_NONZERO_PATTERN));
     PetscCall(MatDestroy(&part));

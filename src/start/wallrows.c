@@ -115,7 +115,6 @@ PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
 PetscErrorCode RowsDestroy(Rows *rows)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(rows->x));
-  PetscCall(PetscFree(rows->index));
+  PetscCall(FreeAll(&rows->x, &rows->index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -770,9 +770,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(PetscFree2(corners.fluid, corners.phi));
   PetscCall(PetscFree(corners.depth));
   PetscCall(StrainPointsFree(&sides.points));
-  PetscCall(PetscFree(sides.side));
-  PetscCall(PetscFree(facets.first));
-  PetscCall(PetscFree(facets.facet));
+  PetscCall(FreeAll(&sides.side, &facets.first, &facets.facet));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -804,39 +802,23 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
 
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(s->lattice.distance));
-  PetscCall(PetscFree(s->volume));
-  PetscCall(PetscFree(s->nu));
-  PetscCall(PetscFree(s->fluid));
-  PetscCall(PetscFree(s->mean));
-  PetscCall(PetscFree(s->border.side));
-  PetscCall(PetscFree(s->border.row));
-  PetscCall(PetscFree(s->border.normal));
-  PetscCall(PetscFree(s->border.x));
+  PetscCall(FreeAll(&s->lattice.distance, &s->volume, &s->nu, &s->fluid, &s->mean, &s->border.side,
+                    &s->border.row, &s->border.normal, &s->border.x));
   PetscCall(StrainRowsFree(&s->border.rows));
-  PetscCall(PetscFree(s->surface.corner));
-  PetscCall(PetscFree(s->surface.x));
-  PetscCall(PetscFree(s->surface.wet_x));
-  PetscCall(PetscFree(s->surface.wet_body));
+  PetscCall(FreeAll(&s->surface.corner, &s->surface.x, &s->surface.wet_x, &s->surface.wet_body));
   PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(StrainBlocksFree(&s->surface.motion));
   PetscCall(StrainBlocksFree(&s->flux));
   for (PetscInt k = 0; k < STRAIN_TENSOR; k++) PetscCall(PetscFree(s->weight[k]));
-  PetscCall(PetscFree(s->strain));
-  PetscCall(PetscFree(s->rate));
+  PetscCall(FreeAll(&s->strain, &s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
-    PetscCall(PetscFree(s->centre[q]));
-    PetscCall(PetscFree(s->mass[q]));
-    PetscCall(PetscFree(s->first[q]));
-    PetscCall(PetscFree(s->j[q]));
+    PetscCall(FreeAll(&s->centre[q], &s->mass[q], &s->first[q], &s->j[q]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));
     PetscCall(PetscFree(s->of[q]));
     PetscCall(PetscFree2(s->at[q], s->cell[q]));
   }
   for (PetscInt w = 0; w < 2; w++) {
-    PetscCall(PetscFree(s->list[w].start));
-    PetscCall(PetscFree(s->list[w].local));
-    PetscCall(PetscFree(s->list[w].slot));
+    PetscCall(FreeAll(&s->list[w].start, &s->list[w].local, &s->list[w].slot));
   }
   PetscCall(PetscFree(*cells));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -42,8 +42,7 @@ PetscErrorCode StrainPointsFree(StrainPoints *points)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(points->x[a]));
-  PetscCall(PetscFree(points->fluid));
-  PetscCall(PetscFree(points->side));
+  PetscCall(FreeAll(&points->fluid, &points->side));
   points->n = points->room = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -51,9 +50,7 @@ PetscErrorCode StrainPointsFree(StrainPoints *points)
 PetscErrorCode StrainRowsFree(StrainRows *rows)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(rows->start));
-  PetscCall(PetscFree(rows->j));
-  PetscCall(PetscFree(rows->w));
+  PetscCall(FreeAll(&rows->start, &rows->j, &rows->w));
   rows->n = rows->rows = rows->capacity = rows->room = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -420,8 +417,7 @@ PetscErrorCode StrainRowsOf(StrainFits *f, const StrainPoints *points, StrainRow
     }
   }
   PetscCall(PetscFree2(list, beside));
-  PetscCall(PetscFree(g));
-  PetscCall(PetscFree(spare));
+  PetscCall(FreeAll(&g, &spare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -54,9 +54,7 @@ static PetscErrorCode BeginBlocks(PetscInt size, PetscInt n, StrainBlocks *to)
 PetscErrorCode StrainBlocksFree(StrainBlocks *b)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(b->start));
-  PetscCall(PetscFree(b->j));
-  PetscCall(PetscFree(b->w));
+  PetscCall(FreeAll(&b->start, &b->j, &b->w));
   b->n = b->room = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

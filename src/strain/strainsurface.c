@@ -373,10 +373,7 @@ PetscErrorCode StrainTensionMatrix(const Particles *p, const StrainCells *cells,
   PetscCall(MatTranspose(Y, MAT_INITIAL_MATRIX, &back));
   PetscCall(MatMatMult(back, product, MAT_INITIAL_MATRIX, PETSC_DEFAULT, K));
   PetscCall(MatProductClear(*K));
-  PetscCall(MatDestroy(&Y));
-  PetscCall(MatDestroy(&S));
-  PetscCall(MatDestroy(&back));
-  PetscCall(MatDestroy(&product));
+  PetscCall(MatDestroyAll(&Y, &S, &back, &product));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

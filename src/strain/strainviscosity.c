@@ -11,8 +11,7 @@ PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], Stra
   const PetscInt d = p->dim;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree(s->strain));
-  PetscCall(PetscFree(s->rate));
+  PetscCall(FreeAll(&s->strain, &s->rate));
   PetscCall(PetscMalloc1(s->n * d * d + 1, &s->strain));
   PetscCall(PetscMalloc1(s->n + 1, &s->rate));
   for (PetscInt c = 0; c < s->n; c++) {

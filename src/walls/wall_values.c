@@ -7,8 +7,7 @@ PetscErrorCode WallValuesFree(WallValues *walls)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(VecDestroy(&walls->u[a]));
-  PetscCall(VecDestroy(&walls->p));
-  PetscCall(VecDestroy(&walls->p_step));
+  PetscCall(VecDestroyAll(&walls->p, &walls->p_step));
   walls->epoch = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

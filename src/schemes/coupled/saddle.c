@@ -103,8 +103,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
   PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure, NULL},
                         &ops->filter_p, &s->C));
   PetscCall(SaddleReplaceGradient(flow, momentum, s));
-  PetscCall(VecDestroy(&momentum));
-  PetscCall(VecDestroy(&mass));
+  PetscCall(VecDestroyAll(&momentum, &mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -307,14 +306,8 @@ PetscErrorCode SaddleFree(Saddle *s)
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
-  PetscCall(VecDestroy(&s->diagonal));
-  PetscCall(VecDestroy(&s->time));
-  PetscCall(VecDestroy(&s->length));
-  PetscCall(VecDestroy(&s->mass));
-  PetscCall(VecDestroy(&s->viscosity));
-  PetscCall(VecDestroy(&s->pressure));
-  PetscCall(VecDestroy(&s->constant));
-  PetscCall(VecDestroy(&s->rows));
+  PetscCall(VecDestroyAll(&s->diagonal, &s->time, &s->length, &s->mass, &s->viscosity, &s->pressure,
+                          &s->constant, &s->rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

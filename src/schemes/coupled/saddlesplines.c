@@ -93,9 +93,7 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
     PetscCall(
         MeansOnSplines(flow->particles, s, 2, of_particles, (Vec *[]){&pressure, &viscosity}));
   }
-  PetscCall(VecDestroy(&s->pressure));
-  PetscCall(VecDestroy(&s->viscosity));
-  PetscCall(VecDestroy(&s->mass));
+  PetscCall(VecDestroyAll(&s->pressure, &s->viscosity, &s->mass));
   s->pressure  = pressure;
   s->viscosity = viscosity;
   PetscCall(VecDuplicate(sp->mass, &s->mass));

@@ -172,8 +172,7 @@ static PetscErrorCode AssembleOnSplines(Schur *s)
   PetscCall(VecSqrtAbs(s->root));
   if (s->products && s->stamp == sp->products) PetscFunctionReturn(PETSC_SUCCESS);
   s->stamp = sp->products;
-  PetscCall(VecDestroy(&s->flux));
-  PetscCall(VecDestroy(&s->part));
+  PetscCall(VecDestroyAll(&s->flux, &s->part));
   PetscCall(VecDuplicate(s->root, &s->flux));
   PetscCall(VecDuplicate(s->root, &s->part));
   PetscCall(PCDestroy(&s->products));
@@ -227,12 +226,8 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool a
 PetscErrorCode SchurFree(Schur *s)
 {
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&s->mass));
-  PetscCall(MatDestroy(&s->poisson));
-  PetscCall(VecDestroy(&s->work));
-  PetscCall(VecDestroy(&s->flux));
-  PetscCall(VecDestroy(&s->part));
-  PetscCall(VecDestroy(&s->root));
+  PetscCall(MatDestroyAll(&s->mass, &s->poisson));
+  PetscCall(VecDestroyAll(&s->work, &s->flux, &s->part, &s->root));
   PetscCall(PCDestroy(&s->products));
   PetscCall(KSPDestroy(&s->ksp));
   PetscCall(KspViewsEnd(&s->views));

@@ -109,12 +109,7 @@ static PetscErrorCode CoupledFree(Coupled *c)
 {
   PetscFunctionBegin;
   PetscCall(SaddleFree(&c->saddle));
-  PetscCall(VecDestroy(&c->x));
-  PetscCall(VecDestroy(&c->b));
-  PetscCall(VecDestroy(&c->part));
-  PetscCall(VecDestroy(&c->work));
-  PetscCall(VecDestroy(&c->all_walls));
-  PetscCall(VecDestroy(&c->boundary));
+  PetscCall(VecDestroyAll(&c->x, &c->b, &c->part, &c->work, &c->all_walls, &c->boundary));
   PetscCall(MatDestroy(&c->flat));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(VecDestroy(&c->u[a]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -80,8 +80,7 @@ static PetscErrorCode SolveChange(Vec b, Coupled *c, StepFailure *failure)
   PetscCall(VecAXPY(c->x, 1.0, change));
   PetscCall(GuardCheck(&c->guard, failure));
   c->guard.solve.iterations += c->guard.iterations;
-  PetscCall(VecDestroy(&change));
-  PetscCall(VecDestroy(&r));
+  PetscCall(VecDestroyAll(&change, &r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -75,12 +75,7 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
 static PetscErrorCode FreeVectors(VelocityBlock *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&v->residual));
-  PetscCall(VecDestroy(&v->pressure));
-  PetscCall(VecDestroy(&v->sums));
-  PetscCall(VecDestroy(&v->part));
-  PetscCall(VecDestroy(&v->from));
-  PetscCall(VecDestroy(&v->to));
+  PetscCall(VecDestroyAll(&v->residual, &v->pressure, &v->sums, &v->part, &v->from, &v->to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,9 +106,7 @@ static PetscErrorCode WallDiagonal(const Flow *flow, const Saddle *s, Vec *diago
   for (PetscInt i = 0; i < s->n; i++)
     if (FreeSurfaceHolds(flow->ops->free, i)) most[i] = 0.0;
   PetscCall(VecRestoreArray(*diagonal, &most));
-  PetscCall(VecDestroy(&sums));
-  PetscCall(VecDestroy(&all));
-  PetscCall(VecDestroy(&part));
+  PetscCall(VecDestroyAll(&sums, &all, &part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,8 +124,7 @@ static PetscErrorCode CreatePairs(const Saddle *s, const Flow *flow, Mat *A)
   PetscCall(VecPointwiseDivide(row, row, s->length));
   PetscCall(VecScale(row, s->step / PetscSqr(flow->scene->dx) * (p->nu ? 1.0 : flow->scene->nu)));
   PetscCall(PairLaplacian(flow, row, p->nu, diagonal, NULL, A));
-  PetscCall(VecDestroy(&row));
-  PetscCall(VecDestroy(&diagonal));
+  PetscCall(VecDestroyAll(&row, &diagonal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

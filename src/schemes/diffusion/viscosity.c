@@ -179,14 +179,9 @@ PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **v
 static PetscErrorCode ViscosityFree(Viscosity *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&v->boundary));
-  PetscCall(VecDestroy(&v->all));
-  PetscCall(VecDestroy(&v->all_force));
-  PetscCall(VecDestroy(&v->all_walls));
+  PetscCall(VecDestroyAll(&v->boundary, &v->all, &v->all_force, &v->all_walls));
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
-  PetscCall(MatDestroy(&v->newton));
-  PetscCall(MatDestroy(&v->J));
-  PetscCall(MatDestroy(&v->convection));
+  PetscCall(MatDestroyAll(&v->newton, &v->J, &v->convection));
   PetscCall(SurfaceStressFree(v->surface));
   v->assemblies = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -239,9 +234,7 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
     PetscCall(TSGetSNES(v->ts[c], &snes));
     PetscCall(SNESReset(snes));
   }
-  PetscCall(MatDestroy(&v->newton));
-  PetscCall(MatDestroy(&v->J));
-  PetscCall(MatDestroy(&v->convection));
+  PetscCall(MatDestroyAll(&v->newton, &v->J, &v->convection));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

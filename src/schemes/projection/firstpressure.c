@@ -23,8 +23,7 @@ static PetscErrorCode SolveFirst(Flow *flow, const Vec force[], Projection *pr)
   PetscCall(PressureRefine(flow, b, phi, pr->ppe));
   PetscCall(VecAXPY(p, 1.0, phi));
   if (pr->splines) PetscCall(SplinesSpread(flow, pr->splines));
-  PetscCall(VecDestroy(&phi));
-  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroyAll(&phi, &b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -141,9 +141,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   PetscCall(GuardDetach(&(*ppe)->guard));
   PetscCall(KSPDestroy(&(*ppe)->guard.solve.ksp));
   PetscCall(SplineInverseDestroy(&(*ppe)->inverse));
-  PetscCall(MatDestroy(&(*ppe)->A));
-  PetscCall(MatDestroy(&(*ppe)->preconditioner));
-  PetscCall(MatDestroy(&(*ppe)->gauge));
+  PetscCall(MatDestroyAll(&(*ppe)->A, &(*ppe)->preconditioner, &(*ppe)->gauge));
   PetscCall(VecDestroy(&(*ppe)->source));
   PetscCall(PetscFree(*ppe));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -216,8 +214,7 @@ static PetscErrorCode PressureRenumber(const Flow *flow, const PressureMatrices 
   PetscFunctionBegin;
   PetscCall(KSPReset(s->guard.solve.ksp));
   PetscCall(RenewGuess(s));
-  PetscCall(MatDestroy(&s->preconditioner));
-  PetscCall(MatDestroy(&s->gauge));
+  PetscCall(MatDestroyAll(&s->preconditioner, &s->gauge));
   PetscCall(MatGetLocalSize(m->P, &n, NULL));
   PetscCall(GaugeColumn(flow->scene, PetscObjectComm((PetscObject)m->P), 0, n,
                         s->direct ? LU_SHIFT : 1.0, &s->gauge));
@@ -424,7 +421,6 @@ PetscErrorCode PressureRefine(Flow *flow, const Vec b, Vec phi, Pressure *s)
     PetscCall(VecAYPX(r, -1.0, b));
   }
   s->guard.solve.iterations = 0; /* of steps */
-  PetscCall(VecDestroy(&part));
-  PetscCall(VecDestroy(&r));
+  PetscCall(VecDestroyAll(&part, &r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

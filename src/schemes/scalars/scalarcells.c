@@ -379,11 +379,6 @@ PetscErrorCode ScalarFree(Scalar *s)
   PetscCall(MatDestroy(&s->A));
   PetscCall(StrainDestroy(&s->cells));
   for (PetscInt w = 0; w < 2; w++) PetscCall(PatternFree(&s->columns[w]));
-  PetscCall(PetscFree(s->entry));
-  PetscCall(PetscFree(s->part));
-  PetscCall(PetscFree(s->rate));
-  PetscCall(PetscFree(s->D));
-  PetscCall(PetscFree(s->wall));
-  PetscCall(PetscFree(s->all));
+  PetscCall(FreeAll(&s->entry, &s->part, &s->rate, &s->D, &s->wall, &s->all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

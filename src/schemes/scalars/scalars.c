@@ -369,9 +369,6 @@ PetscErrorCode ScalarsDestroy(Flow *flow)
     PetscCall(PetscFree3(s->law, s->gives, s->entering));
   }
   PetscCall(CellsFree(&all->cells));
-  PetscCall(PetscFree(all->g));
-  PetscCall(PetscFree(all->flow));
-  PetscCall(PetscFree(all->scalar));
-  PetscCall(PetscFree(flow->state->scalars));
+  PetscCall(FreeAll(&all->g, &all->flow, &all->scalar, &flow->state->scalars));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

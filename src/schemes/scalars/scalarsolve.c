@@ -241,12 +241,7 @@ static PetscErrorCode Renumber(Scalar *s)
 PetscErrorCode ScalarFreeVectors(Scalar *s)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroy(&s->volume));
-  PetscCall(VecDestroy(&s->source));
-  PetscCall(VecDestroy(&s->slope));
-  PetscCall(VecDestroy(&s->scratch));
-  PetscCall(VecDestroy(&s->work));
-  PetscCall(VecDestroy(&s->next));
+  PetscCall(VecDestroyAll(&s->volume, &s->source, &s->slope, &s->scratch, &s->work, &s->next));
   PetscCall(MatDestroy(&s->J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -288,8 +283,7 @@ static PetscErrorCode CloseBalance(Scalar *s, PetscReal t, PetscReal dt, PetscRe
   PetscCall(MatMult(s->J, one, rate));
   PetscCall(VecSum(rate, &change));
   if (change > 0.0) PetscCall(VecShift(s->next, ((start - amount) / dt + gained) / change));
-  PetscCall(VecDestroy(&one));
-  PetscCall(VecDestroy(&rate));
+  PetscCall(VecDestroyAll(&one, &rate));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -325,8 +319,7 @@ static PetscErrorCode Runaway(Flow *flow, Scalar *s)
     PetscCall(VecDot(z, Jz, &grows));
     PetscCall(VecPointwiseMult(Jz, s->volume, z));
     PetscCall(VecDot(z, Jz, &amount));
-    PetscCall(VecDestroy(&z));
-    PetscCall(VecDestroy(&Jz));
+    PetscCall(VecDestroyAll(&z, &Jz));
     fails = grows < (flow->scheme->failure.code ? 0.5 : 0.0) * s->shift * amount;
   }
   if (!fails) PetscFunctionReturn(PETSC_SUCCESS);

@@ -204,17 +204,11 @@ PetscErrorCode WcsphFree(Wcsph *w)
   PetscCall(VecDestroy(&w->y));
   PetscCall(PairsFree(&w->pairs));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscFree(w->start[a]));
-    PetscCall(PetscFree(w->local.u[a]));
+    PetscCall(FreeAll(&w->start[a], &w->local.u[a]));
   }
-  PetscCall(PetscFree(w->shift));
-  PetscCall(PetscFree(w->local.rho));
-  PetscCall(PetscFree(w->local.p));
-  PetscCall(PetscFree(w->local.e));
+  PetscCall(FreeAll(&w->shift, &w->local.rho, &w->local.p, &w->local.e));
   for (PetscInt e = 0; e < ISPH_MAX_DIM * ISPH_MAX_DIM; e++)
     PetscCall(PetscFree(w->local.stress[e]));
-  PetscCall(PetscFree(w->local.found));
-  PetscCall(PetscFree(w->local.divergence));
-  PetscCall(PetscFree(w->local.packed));
+  PetscCall(FreeAll(&w->local.found, &w->local.divergence, &w->local.packed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
