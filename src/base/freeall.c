@@ -2,8 +2,8 @@
 #include "isph/base.h"
 #include <stdarg.h>
 
-/* FreeArrays - Frees arrays of PetscMalloc() and sets their pointers to NULL. Input: first - address
-   of a pointer; more of them follow, the last one NULL. See FreeAll(). */
+/* FreeArrays - Frees arrays of PetscMalloc() and sets their pointers to NULL; see FreeAll(). Input:
+   first - address of a pointer; more of them follow, the last one NULL. */
 PetscErrorCode FreeArrays(void *first, ...)
 {
   va_list more;

@@ -102,7 +102,8 @@ static ISPH_INLINE PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
   return PETSC_TRUE;
 }
 
-/* Fits of a degree. All but the usual one share a copy of the code: each takes seconds to compile. */
+/* Fits of a degree. All but the usual one share a copy of the code: each takes seconds to
+   compile. */
 static ISPH_WIDE PetscBool FitOfDegree(Stencil *st, PetscInt degree)
 {
   if (degree != 2) return st->dim == 2 ? Fit(st, 2, degree) : Fit(st, 3, degree);
