@@ -55,6 +55,9 @@ HEAT = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-viscosity", "1", 
         "-scene_scalar_1_exchange", "top: 2,1", "-scene_scalar_2_name", "dye", "-scene_scalar_2_start", "x", "-body_force", "0,50*T"]
 MIXTURE = ["-case", "scene", "-scene_symmetry", "left,right", "-viscosity", "0.1", "-body_force", "0,-1",
            "-scene_fluid_1", "circle,0.5,0.4,0.2", "-scene_fluid_1_density", "0.1", "-scene_fluid_1_tension", "0.1"]
+SINKING = ["-case", "scene", "-scene_box", "0,0,1,1.5", "-scene_filled_1", "box,0,0,1,1", "-viscosity", "0.02", "-body_force", "0,-1",
+           "-scene_fluid_1", "circle,0.5,0.6,0.2", "-scene_fluid_1_density", "2", "-scene_fluid_1_tension", "0.02", "-surface_tension", "0.02",
+           "-visc_laplacian", "weak_stress", "-scheme", "coupled", "-speed", "0.2"]
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 IMPACT = ["-n", "16", "-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",
           "-viscosity", "10", "-scheme", "coupled"]  # the velocity jumps in step 10
@@ -138,7 +141,7 @@ def ranked(command, n):
     return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
 
 
-ON_RANKS = "lagrangian", "coupled", "graded_moving", "error", "impact", "compressible", "jet", "bodies"
+ON_RANKS = "lagrangian", "coupled", "graded_moving", "error", "impact", "compressible", "jet", "bodies", "sinking"
 
 
 def checksum(path):
@@ -165,7 +168,7 @@ def bitwise(*command):
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
                            ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
-                           ("fluids", FLUIDS), ("mixture", MIXTURE), ("bodies", BODIES), ("heat", HEAT),
+                           ("fluids", FLUIDS), ("mixture", MIXTURE), ("sinking", SINKING), ("bodies", BODIES), ("heat", HEAT),
                            ("heat_eulerian", [*HEAT, "-motion", "eulerian"]),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:

@@ -60,16 +60,21 @@ typedef struct {
   StrainRows rows;
 } StrainBorder;
 
-/* Facets of the free surface, and the sides of the box that it leaves wet. */
+/* Facets of the free surface and of interfaces of fluids, which both fluids have, and the sides of
+   the box that the fluid wets. */
 typedef struct {
   PetscReal    wet[2 * ISPH_MAX_DIM]; /* areas of sides in own cells [m^(dim-1)] */
   PetscInt     n, room;
   PetscReal   *x;                /* their dim corners, dim numbers each [m] */
+  PetscInt    *fluid;            /* whose fits have their velocity */
+  PetscBool   *between;          /* they are of an interface */
+  PetscReal   *tension;          /* [N/m] */
   PetscInt    *corner;           /* their numbers, dim of each; facets side by side share them */
   PetscInt     n_wet, room_wet;  /* corners of parts of bodies in the fluid */
   PetscReal   *wet_x;            /* dim numbers each [m] */
   PetscInt    *wet_body;         /* their boundaries */
   PetscInt     first, n_corners; /* point of corner 0, the last points; all corners */
+  PetscBool   *on_level;         /* a corner is on the free surface, not on interfaces only */
   StrainRows   rows;             /* of the velocity at points: `sets` of each */
   StrainBlocks motion;           /* of the velocity of corners, see strainmotion.c */
 } StrainSurface;
@@ -90,10 +95,11 @@ struct StrainCells {
   PetscReal    *mean;   /* of a scalar: weights of its mean in cells, at the entries of g[0] */
   StrainBorder  border; /* of a scalar */
   StrainSurface surface;
-  PetscReal *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set [m^dim] */
-  StrainBlocks flux; /* of cells at the surface: more than V_c (div u)_c by its motion */
-  /* force on component b for a unit of one along axis a, at [a dim + b]: of own fluid, and of walls
-     in own cells; NULL: not known [m^dim] */
+  PetscReal    *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set, times
+                                    its density over that of fluid 0 with `cut` [m^dim] */
+  StrainBlocks  flux; /* of cells at the surface: more than V_c (div u)_c by its motion */
+  /* force on component b for a unit of one along axis a, at [a dim + b], over the density of fluid
+     0: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
   PetscReal *weight[STRAIN_TENSOR];
   PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
   PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
@@ -123,7 +129,7 @@ PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 PetscErrorCode StrainTension(const Scene *scene, const Particles *particles,
-                             const StrainCells *cells, PetscReal force[], PetscReal *area);
+                             const StrainCells *cells, PetscReal force[], PetscReal *energy);
 PetscErrorCode StrainTensionMatrix(const Particles *particles, const StrainCells *cells, Mat *K);
 PetscErrorCode StrainForces(const Scene *scene, const Particles *particles, const Vec u[],
                             PetscReal dt, StrainCells *cells, PetscReal force[]);
@@ -132,7 +138,7 @@ PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,
                                 const StrainCells *cells, PetscReal value[],
                                 PetscReal *const gradient[]);
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *particles,
-                            const StrainCells *cells, PetscInt piece[]);
+                            const StrainCells *cells, PetscInt fluid, PetscInt piece[]);
 PetscBool      StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
                            PetscReal *volume);
 PetscErrorCode StrainDestroy(StrainCells **cells);

@@ -19,7 +19,7 @@
 #define ROUNDING 1e-6 /* speed of a fluid at rest [U] */
 
 /* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is `path`
-   [m], over the mass of a particle of weight 1 [m^2/s^2] */
+   [m], over the mass of a particle of weight 1 of fluid 0 [m^2/s^2] */
 PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
 {
   const Particles *p    = flow->particles;
@@ -29,7 +29,13 @@ PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
   for (PetscInt a = 0; a < p->dim; a++) middle[a] = p->x[a][i] + 0.5 * path[a];
   SceneBodyForce(flow->scene, flow->clock->t + 0.5 * flow->clock->dt, middle, f);
   for (PetscInt a = 0; a < p->dim; a++) work += f[a] * path[a];
-  return ParticlesWeight(p, i) * work;
+  return ParticlesWeight(p, i) * (ParticlesDensity(flow->scene, p, i) / flow->scene->rho) * work;
+}
+
+/* Returns the mass of the fluid over that of a particle of weight 1 of fluid 0 [-]. */
+static PetscReal Mass(const Flow *flow)
+{
+  return flow->particles->weight * (flow->scheme->stats.density / flow->scene->rho);
 }
 
 /* EnergyAddWork - Adds the sum of EnergyWork() over the own particles to the balance; collective */
@@ -38,7 +44,7 @@ PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work)
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, flow->particles->comm));
-  flow->scheme->energy.work += work / flow->particles->weight;
+  flow->scheme->energy.work += work / Mass(flow);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,7 +214,7 @@ static PetscErrorCode Dissipation(Flow *flow, const Vec u[], PetscReal *energy)
   else if (LaplacianIs(form, FORM_SYMMETRIC) || form->halved) PetscCall(PairPower(flow, u, energy));
   else PetscCall(StrainPower(flow, u, energy));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  *energy *= flow->scene->nu * flow->clock->dt / p->weight;
+  *energy *= flow->scene->nu * flow->clock->dt / Mass(flow);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -241,7 +247,7 @@ static PetscReal LeastTension(const Flow *flow)
 
   if (flow->scheme->sheet.flight.on == 0.0 || SceneHasBoundary(scene, BOUNDARY_CONTINUES))
     return 0.0;
-  return 2.0 * scene->tension * area / (scene->rho * volume);
+  return 2.0 * scene->tension * area / (flow->scheme->stats.density * volume);
 }
 
 /* Adds the balance at the end of a step to the largest gain. Input: rms - of the velocity [m/s];

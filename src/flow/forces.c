@@ -19,7 +19,7 @@ static PetscReal ForceOn(const Flow *flow, PetscInt i, PetscInt a, const PetscRe
   PetscReal          sum   = 0.0;
 
   for (PetscInt b = 0; b < d && cells; b++) sum += f[b] * cells->weight[b * d + a][i];
-  return cells ? sum / flow->particles->volume[i] : f[a];
+  return cells ? sum / cells->mass[cells->sets == 1 ? 0 : a][i] : f[a];
 }
 
 /* AddBodyForce - Adds the body force f(x, t) on the own fluid and stores its largest value.

@@ -231,7 +231,7 @@ static const char *CutSurfaceFault(const Scene *scene)
 {
   if (!SceneMoves(scene)) return "moving particles only";
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) return "no outflow";
-  if (SceneFluids(scene) > 1) return "one fluid";
+  if (SceneFluids(scene) > 1 && scene->dim == 3) return "several fluids in 2D only";
   return NULL;
 }
 
@@ -255,6 +255,12 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
   PetscFunctionBegin;
   forms->surface_degree = 2;
   PetscCall(RefuseAngles(scene, forms));
+  UserCheck(
+      !SceneMixes(scene) || !SceneHasFreeSurface(scene) ||
+          (forms->visc.row && forms->visc.row->weak),
+      "-scene_fluid_1_density: fluids of several densities, or with a tension, have a free "
+      "surface with -visc_laplacian weak_stress only, or let a fluid of small density fill the "
+      "box");
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   if (forms->visc.row && forms->visc.row->weak) {
     UserCheck(!CutSurfaceFault(scene),

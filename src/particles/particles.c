@@ -34,7 +34,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
     PetscCall(ParticlesRegister(p, "interface_normal", p->dim, HALO_EPOCH, ENTRY_NEAREST,
                                 p->interface_normal));
   }
-  if (SceneMixes(scene)) {
+  if (SceneMixes(scene) || (SceneFluids(scene) > 1 && SceneHasFreeSurface(scene))) {
     PetscCall(ParticlesRegister(p, "share", 1, HALO_EPOCH, ENTRY_NEAREST, &p->share));
     PetscCall(ParticlesRegister(p, "other", 1, HALO_EPOCH, ENTRY_NEAREST, &p->other));
   }

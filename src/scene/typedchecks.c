@@ -310,9 +310,6 @@ PetscErrorCode SceneCheckMixture(const Scene *scene)
   UserCheck(SceneMoves(scene) && SceneHas(scene, PHYSICS_PRESSURE),
             "-scene_fluid_1_density: fluids of several densities, or with a tension, move "
             "with their particles, and need a pressure; use -motion lagrangian");
-  UserCheck(!SceneHasFreeSurface(scene),
-            "-scene_fluid_1_density: fluids of several densities, or with a tension, have no "
-            "free surface; let a fluid of small density fill the box");
   UserCheck(!SceneHasOpenings(scene),
             "-scene_fluid_1_density: fluids of several densities, or with a tension, have no "
             "inflows and outflows");

@@ -291,8 +291,6 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
   const PetscReal  cell  = PetscPowReal(s->scale, (PetscReal)p->dim);
 
   PetscFunctionBegin;
-  s->n_jumps = SceneFluids(scene) - 1;
-  PetscCall(PetscCalloc2(s->n_jumps, &s->jump, s->n_jumps, &s->jumps));
   for (PetscInt f = 1; f < SceneFluids(scene); f++) {
     PetscReal nu = 0.0;
     Mat       part, D[2] = {NULL, NULL}, back, added;
@@ -316,8 +314,6 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
       PetscCall(MatScale(D[w], cell));
       s->jump[f - 1][w] = D[w];
     }
-    PetscCall(VecDuplicate(gamma, &s->jumps[f - 1]));
-    PetscCall(VecSet(s->jumps[f - 1], 0.0));
     PetscCall(MatDestroyAll(&back, &part));
     PetscCall(VecDestroy(&gamma));
   }
@@ -325,10 +321,12 @@ static PetscErrorCode AddJumps(const Flow *flow, const StrainCells *cells, Petsc
 }
 
 /* SplinesSetJumps - Computes the jumps of the pressure by which a velocity is free of divergence in
-   each fluid, from the velocity u of the viscous solve; collective */
+   each fluid, from the velocity u of the viscous solve; collective. Fluids below a free surface
+   have splines of their own. */
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s)
 {
   PetscFunctionBegin;
+  if (s->fluids > 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt f = 0; f < s->n_jumps; f++) {
     PetscCall(SplinesOfVelocity(flow, s->jump[f], u, s->jumps[f]));
     PetscCall(VecScale(s->jumps[f], -flow->scene->rho));
@@ -353,7 +351,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   StrainCells     *cells = NULL;
   PetscInt         n     = 0;
   PetscReal        x[ISPH_MAX_DIM], *mass[ISPH_MAX_DIM];
-  Mat              all, T[2] = {NULL, NULL};
+  Mat              all = NULL, T[2] = {NULL, NULL};
 
   const StrainQuantity normal = {.sets = p->dim, .normal = PETSC_TRUE};
 
@@ -370,20 +368,33 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   }
   for (PetscInt a = 0; a < p->dim; a++) mass[a] = ops->strain->mass[ops->strain->sets == 1 ? 0 : a];
   for (PetscInt c = 0; c < cells->n; c++) n += SplineHasCell(p, cells, c, x) ? 1 : 0;
-  PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
-  PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
-  PetscCall(SplineGathered(all, T[0], &s->cut[1]));
-  if (flow->ops->forms.wall) {
-    PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
-    PetscCall(SplineGathered(all, T[1], &s->cut[2]));
+  s->n_jumps = SceneFluids(flow->scene) - 1;
+  PetscCall(PetscCalloc2(s->n_jumps, &s->jump, s->n_jumps, &s->jumps));
+  for (PetscInt f = 0; f < s->n_jumps; f++) {
+    PetscCall(VecDuplicate(s->mass, &s->jumps[f]));
+    PetscCall(VecSet(s->jumps[f], 0.0));
   }
-  if (ops->cut_surface) PetscCall(SplineSurfaceRows(flow, n, all, s));
-  if (ops->cut_surface) PetscCall(SplineSurfaceTension(flow));
+  PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
+  if (flow->ops->forms.wall) PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
+  if (ops->cut_surface) {
+    Mat of[SCENE_MAX_FLUIDS + 1] = {NULL};
+
+    for (PetscInt f = 0; f < s->fluids; f++)
+      PetscCall(CellSplinesMat(p, s, cells, n, s->fluids == 1 ? -1 : f, &of[f]));
+    PetscCall(SplineSurfaceRows(flow, n, of, T, s));
+    for (PetscInt f = 0; f < s->fluids; f++) PetscCall(MatDestroy(&of[f]));
+    PetscCall(SplineSurfaceTension(flow));
+    PetscCall(SplinesShareOut(s));
+  } else {
+    PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));
+    for (PetscInt w = 0; w < 2; w++)
+      if (T[w]) PetscCall(SplineGathered(all, T[w], &s->cut[1 + w]));
+  }
   PetscCall(MatTranspose(s->cut[1], MAT_INITIAL_MATRIX, &s->cut[0]));
   PetscCall(VelocityRowsDivide(p, mass, -PetscPowReal(s->scale, (PetscReal)p->dim), s->cut[0]));
   PetscCall(MatCreateVecs(s->cut[0], NULL, &s->cut_gradient));
   if (ops->cut_surface && s->has_products) PetscCall(SplineSurfaceStiffness(s));
-  PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
+  if (!ops->cut_surface) PetscCall(AddJumps(flow, cells, n, all, T, mass, s));
   PetscCall(MatDestroyAll(&all, &T[0], &T[1]));
   if (!ops->cut_surface) PetscCall(StrainDestroy(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);

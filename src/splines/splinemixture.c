@@ -232,8 +232,9 @@ static PetscErrorCode SetInertia(Flow *flow, Splines *s)
 
 /* SplinesMix - Computes the inertia of particles, rho(x_i)/rho_0, and the forces of interfaces for
    the present positions; divides the rows of viscous matrices by the inertia. Collective. Does
-   nothing without a mixture, see SceneMixes(), or if positions are those of the last call. Output:
-   mixture.inertia [-]; state->interface, the force per unit mass less f [m/s^2]. */
+   nothing without a mixture, see SceneMixes(), below a free surface, where each fluid has splines
+   of its own, or if positions are those of the last call. Output: mixture.inertia [-];
+   state->interface, the force per unit mass less f [m/s^2]. */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s)
 {
   const Scene     *scene   = flow->scene;
@@ -244,7 +245,8 @@ PetscErrorCode SplinesMix(Flow *flow, Splines *s)
   PetscScalar     *to;
 
   PetscFunctionBegin;
-  if (!SceneMixes(scene) || m->assemblies == s->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneMixes(scene) || s->in_cells || m->assemblies == s->assemblies)
+    PetscFunctionReturn(PETSC_SUCCESS);
   m->assemblies = s->assemblies;
   PetscCall(FlowStateRenumber(flow));
   if (m->numbering != s->numbering) PetscCall(CreateVectors(s, m));

@@ -162,20 +162,64 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscFunctionBegin;
   PetscCall(VecDuplicate(s->mass, &s->p));
   PetscCall(VecDuplicate(s->mass, &s->phi));
-  PetscCall(VecDuplicate(s->mass, &s->b));
   PetscCall(VecDuplicate(s->mass, &s->divergence));
-  PetscCall(PetscMalloc1(b->size, &natural));
-  for (PetscInt k = 0; k < b->size; k++) {
+  s->all = s->p;
+  if (s->fluids == 1) PetscCall(PetscObjectReference((PetscObject)s->p));
+  else PetscCall(VecCreateMPI(p->comm, s->fluids * b->size, PETSC_DETERMINE, &s->all));
+  PetscCall(VecDuplicate(s->all, &s->b));
+  PetscCall(PetscMalloc1(s->fluids * b->size, &natural));
+  for (PetscInt k = 0; k < s->fluids * b->size; k++) {
     PetscInt index[ISPH_MAX_DIM];
 
-    (void)SplineOwn(s, k, index);
-    natural[k] = SplineNatural(&s->lattice, index);
+    (void)SplineOwn(s, k % b->size, index);
+    natural[k] = k / b->size * s->lattice.N + SplineNatural(&s->lattice, index);
   }
-  PetscCall(ISCreateStride(p->comm, b->size, b->start, 1, &from));
-  PetscCall(ISCreateGeneral(p->comm, b->size, natural, PETSC_OWN_POINTER, &to));
-  PetscCall(VecScatterCreate(s->p, from, s->natural, to, &s->renumber));
+  PetscCall(ISCreateStride(p->comm, s->fluids * b->size, s->fluids * b->start, 1, &from));
+  PetscCall(ISCreateGeneral(p->comm, s->fluids * b->size, natural, PETSC_OWN_POINTER, &to));
+  PetscCall(VecScatterCreate(s->all, from, s->natural, to, &s->renumber));
   PetscCall(ISDestroy(&from));
   PetscCall(ISDestroy(&to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesShareOut - Sets pressure and jumps from those of all fluids; collective */
+PetscErrorCode SplinesShareOut(Splines *s)
+{
+  const PetscScalar *all, *first;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  if (s->fluids == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(s->all, &all));
+  PetscCall(VecGetArray(s->p, &to));
+  PetscCall(PetscArraycpy(to, all, s->own.size));
+  PetscCall(VecRestoreArray(s->p, &to));
+  PetscCall(VecGetArrayRead(s->p, &first));
+  for (PetscInt f = 0; f < s->n_jumps; f++) {
+    PetscCall(VecGetArray(s->jumps[f], &to));
+    for (PetscInt k = 0; k < s->own.size; k++) to[k] = all[(f + 1) * s->own.size + k] - first[k];
+    PetscCall(VecRestoreArray(s->jumps[f], &to));
+  }
+  PetscCall(VecRestoreArrayRead(s->p, &first));
+  PetscCall(VecRestoreArrayRead(s->all, &all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesSumFluids - Sums numbers of the splines of all fluids, such as divergences; collective */
+PetscErrorCode SplinesSumFluids(const Splines *s, Vec all, Vec sum)
+{
+  const PetscScalar *from;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(all, &from));
+  PetscCall(VecGetArrayWrite(sum, &to));
+  for (PetscInt k = 0; k < s->own.size; k++) {
+    to[k] = from[k];
+    for (PetscInt f = 1; f < s->fluids; f++) to[k] += from[f * s->own.size + k];
+  }
+  PetscCall(VecRestoreArrayWrite(sum, &to));
+  PetscCall(VecRestoreArrayRead(all, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -214,7 +258,7 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(SplineWindowFree(&s->window));
   PetscCall(MatDestroyAll(&s->S, &s->K, &s->M, &s->A));
   PetscCall(SplinesCutFree(s));
-  PetscCall(VecDestroyAll(&s->mass, &s->p, &s->phi, &s->b, &s->divergence, &s->wall_flux));
+  PetscCall(VecDestroyAll(&s->mass, &s->p, &s->all, &s->phi, &s->b, &s->divergence, &s->wall_flux));
   PetscCall(VecScatterDestroy(&s->renumber));
   PetscCall(PetscFree(s->unused));
   PetscCall(SplinePointsFree(&s->inside));

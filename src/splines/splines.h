@@ -252,11 +252,12 @@ struct Splines {
   Mat        values; /* P E: splines -> own fluid; NULL: not needed */
   Mat        slopes; /* stiffness of velocities on splines; NULL: not needed [1/m^2] */
   Mat        surface;      /* E of splinesurface.c; NULL: no free surface */
-  PetscBool *slave;        /* own splines that are no unknowns there */
+  PetscBool *slave;        /* own splines that are no unknowns there, of each fluid */
+  PetscInt   fluids;       /* fluids with splines of their own, below a free surface; else 1 */
   Vec        cut_gradient; /* work: at particles */
   PetscInt   n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
   Mat (*jump)[2];          /* their jumps over fluid and walls, negative, over the density [m/s] */
-  Vec *jumps;              /* coefficients of the jump in each [Pa] */
+  Vec *jumps;              /* coefficients of the jump in each, over fluid 0 [Pa] */
   Mat  A;                  /* -scale^2 D G; a shell for moving particles */
 
   SplineWindow  window;
@@ -264,12 +265,12 @@ struct Splines {
   SplineFits    fits;
   SplineMixture mixture;
 
-  Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
-                                       div u* [1/s] */
-  Vec        kept;      /* state in the order of the lattice: the pressure of each spline [Pa] */
-  Vec        natural;   /* work: a number of each spline in the order of the lattice */
-  VecScatter renumber;  /* p -> natural */
-  Vec        wall_flux; /* work: at points on the boundary */
+  Vec p, phi, divergence; /* coefficients: pressure, in fluid 0 [Pa], increment, div u* [1/s] */
+  Vec all, b;             /* pressure, right-hand side: on a rank of its splines for each fluid */
+  Vec kept;               /* state in the order of the lattice: the pressure of each spline [Pa] */
+  Vec natural;            /* work: a number of each spline in the order of the lattice */
+  VecScatter renumber;    /* p -> natural */
+  Vec        wall_flux;   /* work: at points on the boundary */
   PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
 
   PetscInt assemblies, numbering; /* stamps of fits and places, and of the splines' numbers */
@@ -407,11 +408,14 @@ PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[]
 PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess);
 PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[]);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
+PetscErrorCode SplinesShareOut(Splines *s);
+PetscErrorCode SplinesSumFluids(const Splines *s, Vec all, Vec sum);
 
 /* splinesurface.c */
 PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells *cells,
                                    Splines *s);
-PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, Mat all, Splines *s);
+PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_fluid[], const Mat T[2],
+                                 Splines *s);
 PetscErrorCode SplineSurfaceStiffness(Splines *s);
 PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
 PetscErrorCode SplineSurfaceTension(Flow *flow);

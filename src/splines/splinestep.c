@@ -20,8 +20,9 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
       degree == 4 && !s->bodies && !SceneMixes(scene) && !SplineSideGives(&s->lattice) ? 3 : 2;
   s->scale = 1.0;
   for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
-  s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
-  PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
+  s->scale  = PetscPowReal(s->scale, 1.0 / scene->dim);
+  s->fluids = s->in_cells ? SceneFluids(scene) : 1;
+  PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->fluids * s->lattice.N, &s->natural));
   PetscCall(VecDuplicate(s->natural, &s->kept));
   PetscCall(VecSet(s->kept, 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -63,8 +64,9 @@ PetscErrorCode SplinesDestroy(Splines **splines)
 PetscErrorCode SplinesBegin(Splines *s)
 {
   PetscFunctionBegin;
-  PetscCall(VecScatterBegin(s->renumber, s->kept, s->p, INSERT_VALUES, SCATTER_REVERSE));
-  PetscCall(VecScatterEnd(s->renumber, s->kept, s->p, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterBegin(s->renumber, s->kept, s->all, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(s->renumber, s->kept, s->all, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(SplinesShareOut(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,7 +164,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
     PetscBool given;
 
-    SplineIndex(scene->dim, NULL, s->lattice.count, q, index);
+    SplineIndex(scene->dim, NULL, s->lattice.count, q % s->lattice.N, index);
     given        = SplineIsGiven(&s->lattice, index, &side);
     p[q - first] = given ? 2.0 * scene->level : scene->level;
     if (!exact) continue;
@@ -298,8 +300,8 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
     PetscCall(VecShift(s->p, -sum / flow->particles->weight));
     PetscCall(VecShift(state->p, -sum / flow->particles->weight));
   }
-  PetscCall(VecScatterBegin(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterBegin(s->renumber, s->all, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(s->renumber, s->all, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(KeepSlaves(s));
   PetscCall(VecCopy(s->natural, s->kept));
   PetscFunctionReturn(PETSC_SUCCESS);

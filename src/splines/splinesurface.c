@@ -1,9 +1,11 @@
 /*
   Splines at the free surface, which moves through their lattice. A spline with less fluid than a
   share of its support is no unknown: its coefficient is extrapolated from the nearest block of
-  splines with enough, p = E q with the weights of Lagrange's polynomials. So the divergence of the
-  others is E^T D, and the gradient remains the adjoint. In films and fragments that have no such
-  block the splines with the most fluid are unknowns.
+  splines with enough, p = E q with the weights of Lagrange's polynomials. Each of several fluids
+  has splines of its own, which end at its interfaces as at the surface: the pressure jumps there,
+  and its gradient follows the density. So the divergence of the others is E^T D, and the gradient
+  remains the adjoint. In films and fragments that have no such block the splines with the most
+  fluid are unknowns.
 
   Source: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */
@@ -13,11 +15,21 @@
 #define SURFACE_ENOUGH 0.9   /* of a spline in the box that is in the fluid or in bodies [-] */
 #define SOLID_ENOUGH   0.027 /* in the fluid, as of the spline in the corner of a box */
 #define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
+#define LINEAR_LEAST   0.3   /* of splines across thin layers */
 
-/* Computes the parts of the splines that are in the fluid, or in solids, over a cell. */
-static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCells *cells,
-                            PetscBool solid, Vec part)
+/* Returns true if a cell is one of the fluid with the splines f. */
+static PetscBool IsOf(const Splines *s, const StrainCells *cells, PetscInt c, PetscInt f)
 {
+  return s->fluids == 1 || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes the parts of the splines that are in fluid f, or in solids if it is negative, over a
+   cell. */
+static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCells *cells,
+                            PetscInt f, Vec part)
+{
+  const PetscBool solid = f < 0 ? PETSC_TRUE : PETSC_FALSE;
+
   const PetscReal one = PetscPowReal(s->scale, -(PetscReal)p->dim);
   PetscReal       x[ISPH_MAX_DIM], volume;
   SplineRow       at;
@@ -28,7 +40,7 @@ static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCe
        k++) {
     for (PetscInt a = 0; !solid && a < p->dim; a++) x[a] = cells->centre[a][k];
     if (!solid) volume = cells->volume[k];
-    if (volume == 0.0 || !ParticlesHolds(p, x)) continue;
+    if (volume == 0.0 || (!solid && !IsOf(s, cells, k, f)) || !ParticlesHolds(p, x)) continue;
     SplineRowAt(s, &s->lattice, p, x, &at);
     for (PetscInt e = 0; e < at.n; e++)
       PetscCall(VecSetValue(part, at.number[e], one * volume * at.value[e], ADD_VALUES));
@@ -38,10 +50,10 @@ static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the share of the fluid in all splines, or of solids, by their number in the order of the
-   lattice. */
+/* Computes the share of fluid f in all splines, or of solids if it is negative, by their number in
+   the order of the lattice. */
 static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainCells *cells,
-                             PetscBool solid, PetscReal share[])
+                             PetscInt f, PetscReal share[])
 {
   const SplineLattice *l = &s->lattice;
   const PetscScalar   *from;
@@ -50,7 +62,7 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
 
   PetscFunctionBegin;
   PetscCall(VecDuplicate(s->mass, &own));
-  PetscCall(Parts(p, s, cells, solid, own));
+  PetscCall(Parts(p, s, cells, f, own));
   PetscCall(VecPointwiseDivide(own, own, s->mass));
   PetscCall(VecScatterCreateToAll(own, &collect, &all));
   PetscCall(VecScatterBegin(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
@@ -68,9 +80,9 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the piece of the fluid that is nearest to the centre of each spline; -1: none is in it. */
+/* Finds the piece of fluid f that is nearest to the centre of each spline; -1: none is in it. */
 static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const StrainCells *cells,
-                                 PetscInt piece[])
+                                 PetscInt f, PetscInt piece[])
 {
   const SplineLattice *l = &s->lattice;
   PetscInt            *of_cell;
@@ -81,7 +93,7 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(cells->n, &of_cell, l->N, &nearest));
-  PetscCall(StrainPieces(l->scene, p, cells, of_cell));
+  PetscCall(StrainPieces(l->scene, p, cells, s->fluids == 1 ? -1 : f, of_cell));
   for (PetscInt q = 0; q < l->N; q++) {
     nearest[q].far   = PETSC_MAX_REAL;
     nearest[q].piece = -1;
@@ -91,7 +103,7 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
     SplineValues at;
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-    if (of_cell[c] < 0 || !ParticlesHolds(p, x)) continue;
+    if (of_cell[c] < 0 || !IsOf(s, cells, c, f) || !ParticlesHolds(p, x)) continue;
     SplinesAt(l, x, &at);
     for (PetscInt k = 0; k < at.n; k++) { /* the largest value is the nearest */
       const PetscInt q = SplineNatural(l, at.index[k]);
@@ -108,9 +120,23 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds splines to those with enough fluid where none is near: those with the most around. */
+/* Returns true if masters are not all in a row, or in 3D in a plane: their fit is linear. */
+static PetscBool AreSpread(PetscInt dim, const SplineSlave *s)
+{
+  PetscReal mean[ISPH_MAX_DIM] = {0.0}, M[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt m = 0; m < s->n; m++)
+    for (PetscInt a = 0; a < dim; a++) mean[a] += (PetscReal)s->step[m][a] / s->n;
+  for (PetscInt m = 0; m < s->n; m++)
+    for (PetscInt e = 0; e < dim * dim; e++)
+      M[e] += (s->step[m][e / dim] - mean[e / dim]) * (s->step[m][e % dim] - mean[e % dim]);
+  return DenseCholesky(dim, M) == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Adds splines to those with enough fluid where none is near: those with the most around. Layers
+   with one row of them get another: a pressure that is constant across them holds no weight. */
 static void AddLocal(const SplineLattice *l, const PetscReal share[], const PetscInt piece[],
-                     PetscBool enough[])
+                     PetscBool enough[], PetscBool add[])
 {
   PetscBool more = PETSC_TRUE;
 
@@ -126,31 +152,38 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], const Pets
     more = best >= 0;
     if (more) enough[best] = PETSC_TRUE;
   }
+  for (PetscInt q = 0; q < l->N; q++) {
+    SplineSlave slave;
+
+    add[q] = PETSC_FALSE;
+    if (enough[q] || share[q] < LINEAR_LEAST || !SplineNearMasters(l, enough, piece, q, &slave))
+      continue;
+    add[q] = !AreSpread(l->dim, &slave);
+  }
+  for (PetscInt q = 0; q < l->N; q++) enough[q] = enough[q] || add[q];
 }
 
-/* SplineSurfaceExtend - Computes the extension E of the splines, and lists the own splines that are
-   no unknowns. Collective. */
-PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
+/* Computes the extension of the splines of fluid f, and lists the own splines that are no unknowns;
+   collective */
+static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, PetscInt f,
+                                  Splines *s, Mat *E)
 {
   const SplineLattice *l = &s->lattice;
   PetscReal           *share, *solid;
-  PetscBool           *enough;
+  PetscBool           *enough, *add;
   PetscInt            *piece;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc4(l->N, &share, l->N, &solid, l->N, &enough, l->N, &piece));
-  PetscCall(Shares(p, s, cells, PETSC_FALSE, share));
-  PetscCall(Shares(p, s, cells, PETSC_TRUE, solid));
+  PetscCall(PetscMalloc5(l->N, &share, l->N, &solid, l->N, &enough, l->N, &add, l->N, &piece));
+  PetscCall(Shares(p, s, cells, f, share));
+  PetscCall(Shares(p, s, cells, -1, solid));
   for (PetscInt q = 0; q < l->N; q++)
     enough[q] = share[q] >= SOLID_ENOUGH && share[q] + solid[q] >= SURFACE_ENOUGH;
-  PetscCall(FindPieces(p, s, cells, piece));
-  AddLocal(l, share, piece, enough);
-  PetscCall(MatDestroy(&s->surface));
-  PetscCall(PetscFree(s->slave));
-  PetscCall(PetscCalloc1(s->own.size, &s->slave));
+  PetscCall(FindPieces(p, s, cells, f, piece));
+  AddLocal(l, share, piece, enough, add);
   PetscCall(MatCreateAIJ(p->comm, s->own.size, s->own.size, PETSC_DETERMINE, PETSC_DETERMINE, 12,
-                         NULL, 12, NULL, &s->surface));
-  PetscCall(MatSetOption(s->surface, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+                         NULL, 12, NULL, E));
+  PetscCall(MatSetOption(*E, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   for (PetscInt k = 0; k < s->own.size; k++) {
     const PetscInt row = s->own.start + k;
     PetscInt       index[ISPH_MAX_DIM], q;
@@ -159,23 +192,59 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
     if (!SplineOwn(s, k, index)) continue;
     q = SplineNatural(l, index);
     if (enough[q]) {
-      PetscCall(MatSetValue(s->surface, row, row, 1.0, INSERT_VALUES));
+      PetscCall(MatSetValue(*E, row, row, 1.0, INSERT_VALUES));
       continue;
     }
-    s->slave[k] = PETSC_TRUE;
+    s->slave[f * s->own.size + k] = PETSC_TRUE;
     if (!SplineNearMasters(l, enough, piece, q, &slave)) continue;
     for (PetscInt m = 0; m < slave.n; m++)
-      PetscCall(MatSetValue(s->surface, row, SplinesGlobal(s, p, slave.master[m]), slave.weight[m],
+      PetscCall(MatSetValue(*E, row, SplinesGlobal(s, p, slave.master[m]), slave.weight[m],
                             INSERT_VALUES));
   }
-  PetscCall(SplineMatFinish(s->surface));
-  PetscCall(PetscFree4(share, solid, enough, piece));
+  PetscCall(SplineMatFinish(*E));
+  PetscCall(PetscFree5(share, solid, enough, add, piece));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Joins the matrices of fluids, which it destroys: below each other, or along the diagonal. */
+static PetscErrorCode JoinFluids(const Splines *s, PetscBool diagonal, Mat part[], Mat *whole)
+{
+  const PetscInt n                                                      = s->fluids;
+  Mat            block[(SCENE_MAX_FLUIDS + 1) * (SCENE_MAX_FLUIDS + 1)] = {NULL}, nest;
+
+  PetscFunctionBegin;
+  if (n == 1) {
+    *whole = part[0];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt f = 0; f < n; f++) block[diagonal ? f * n + f : f] = part[f];
+  PetscCall(MatCreateNest(PetscObjectComm((PetscObject)part[0]), n, NULL, diagonal ? n : 1, NULL,
+                          block, &nest));
+  PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, whole));
+  PetscCall(MatDestroy(&nest));
+  for (PetscInt f = 0; f < n; f++) PetscCall(MatDestroy(&part[f]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineSurfaceExtend - Computes the extension E of the splines, of each fluid its own, and lists
+   the own splines that are no unknowns. Collective. */
+PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
+{
+  Mat E[SCENE_MAX_FLUIDS + 1];
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->surface));
+  PetscCall(PetscFree(s->slave));
+  PetscCall(PetscCalloc1(s->fluids * s->own.size, &s->slave));
+  for (PetscInt f = 0; f < s->fluids; f++) PetscCall(ExtendFluid(p, cells, f, s, &E[f]));
+  PetscCall(JoinFluids(s, PETSC_TRUE, E, &s->surface));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the equation q = 0 of splines that are no unknowns to a matrix. */
 static PetscErrorCode UnusedRows(const Splines *s, Mat A)
 {
+  const PetscInt     n = s->fluids * s->own.size;
   const PetscScalar *value;
   Vec                diagonal;
   Mat                rest; /* an entry set in A itself would move all that follow it */
@@ -183,16 +252,16 @@ static PetscErrorCode UnusedRows(const Splines *s, Mat A)
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(A, NULL, &diagonal));
   PetscCall(MatGetDiagonal(A, diagonal));
-  PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)A), s->own.size, s->own.size, PETSC_DETERMINE,
-                         PETSC_DETERMINE, 1, NULL, 0, NULL, &rest));
+  PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)A), n, n, PETSC_DETERMINE, PETSC_DETERMINE, 1,
+                         NULL, 0, NULL, &rest));
   PetscCall(VecGetArrayRead(diagonal, &value));
-  for (PetscInt k = 0; k < s->own.size; k++) {
-    const PetscInt row = s->own.start + k;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt row = s->fluids * s->own.start + k;
 
     if (s->slave[k]) PetscCall(MatSetValue(rest, row, row, 1.0 - value[k], INSERT_VALUES));
   }
   for (PetscInt k = 0; k < s->n_unused; k++) {
-    const PetscInt own = s->unused[k], row = s->own.start + own;
+    const PetscInt own = s->unused[k], row = s->fluids * s->own.start + own;
 
     PetscCall(MatSetValue(rest, row, row, 1.0 - value[own], INSERT_VALUES));
   }
@@ -204,7 +273,8 @@ static PetscErrorCode UnusedRows(const Splines *s, Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. */
+/* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. Input:
+   all - values of the splines of each fluid in its cells. */
 static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Splines *s)
 {
   Mat extended, weighted;
@@ -316,28 +386,38 @@ PetscErrorCode SplineSurfaceStiffness(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineSurfaceRows - Replaces the rows of splines at the free surface by E^T D, and computes data
-   of preconditioners; collective. Input: n - own cells; all - values of splines in them. */
-PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, Mat all, Splines *s)
+/* SplineSurfaceRows - Computes the rows of the divergence of the splines of each fluid at the free
+   surface, E^T D, and data of preconditioners; collective. Input: n - own cells; of_fluid - values
+   of splines in the cells of each; T - V_c div u by velocities of fluid and walls. */
+PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_fluid[], const Mat T[2],
+                                 Splines *s)
 {
   const Particles   *p     = flow->particles;
   const StrainCells *cells = flow->ops->strain;
+  Mat                part[SCENE_MAX_FLUIDS + 1], all, D;
   Vec                volume;
-  Mat                D;
 
   PetscFunctionBegin;
-  PetscCall(SplineCellVolumes(p, cells, all, &volume));
+  PetscCall(SplineCellVolumes(p, cells, of_fluid[0], &volume));
   PetscCall(SplineSurfaceExtend(p, cells, s));
+  for (PetscInt w = 0; w < 2; w++) {
+    if (!T[w]) continue;
+    for (PetscInt f = 0; f < s->fluids; f++) PetscCall(SplineGathered(of_fluid[f], T[w], &part[f]));
+    PetscCall(JoinFluids(s, PETSC_FALSE, part, &D));
+    PetscCall(SplineGathered(s->surface, D, &s->cut[1 + w]));
+    PetscCall(MatDestroy(&D));
+  }
+  all = of_fluid[0];
+  if (s->fluids > 1) {
+    PetscCall(MatCreateNest(p->comm, 1, NULL, s->fluids, NULL, of_fluid, &D));
+    PetscCall(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, &all));
+    PetscCall(MatDestroy(&D));
+  }
   if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
+  if (s->fluids > 1) PetscCall(MatDestroy(&all));
   if (s->has_products && p->dim == 3)
     PetscCall(VelocitiesOnSplines(flow->scene, p, cells, n, volume, s));
   PetscCall(VecDestroy(&volume));
-  for (PetscInt k = 1; k < 3; k++) {
-    if (!s->cut[k]) continue;
-    PetscCall(SplineGathered(s->surface, s->cut[k], &D));
-    PetscCall(MatDestroy(&s->cut[k]));
-    s->cut[k] = D;
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -382,40 +462,45 @@ static PetscReal BoxArea(const Scene *scene, PetscInt axis)
   return area;
 }
 
-/* SplineSurfaceTension - Computes the force of the tension of the free surface, and adds its change
-   in a step to the viscous matrix. Collective. Output: state->interface - force per unit mass
-   [m/s^2]; state->tension_energy. */
+/* SplineSurfaceTension - Computes the force of the tension of the free surface and of interfaces,
+   and adds its change in a step to the viscous matrix. Collective. Output: state->interface - force
+   per unit mass [m/s^2]; state->tension_energy. */
 PetscErrorCode SplineSurfaceTension(Flow *flow)
 {
-  const Scene       *scene  = flow->scene;
-  const Particles   *p      = flow->particles;
-  const StrainCells *cells  = flow->ops->strain;
-  AffineOperator    *visc   = &flow->ops->velocity[0].visc;
-  PetscReal *const   mass[] = {p->volume, p->volume, p->volume};
-  PetscReal         *force, area;
+  const Scene       *scene = flow->scene;
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+  AffineOperator    *visc  = &flow->ops->velocity[0].visc;
+  PetscReal         *force, *mass[ISPH_MAX_DIM], sum[2] = {0.0}; /* energy, mass */
+  PetscBool          has = scene->tension > 0.0;
   PetscScalar       *to;
   Mat                K;
 
   PetscFunctionBegin;
-  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < scene->n_regions; k++) has = has || scene->region_tension[k] > 0.0;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    mass[a] = cells->mass[cells->sets == 1 ? 0 : a];
+    if (!has && flow->state->interface[a]) PetscCall(VecZeroEntries(flow->state->interface[a]));
+  }
+  if (!has) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowStateRenumber(flow));
   PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
-  PetscCall(StrainTension(scene, p, cells, force, &area));
+  PetscCall(StrainTension(scene, p, cells, force, &sum[0]));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
     for (PetscInt i = 0; i < p->n_fluid; i++)
-      to[i] = scene->tension / scene->rho * force[p->dim * i + a] / p->volume[i];
+      to[i] = force[p->dim * i + a] / (scene->rho * mass[a][i]);
     PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
   }
   PetscCall(PetscFree(force));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt i = 0; i < p->n_fluid; i++) sum[1] += scene->rho * mass[0][i];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt side = 0; side < 2 * p->dim; side++) /* dry walls that fluid wets have energy */
-    area += PetscMax(scene->boundary[side].contact, 0.0) * BoxArea(scene, side / 2);
-  flow->state->tension_energy =
-      2.0 * scene->tension * area / (scene->rho * p->weight * p->cell_volume);
+    sum[0] +=
+        scene->tension * PetscMax(scene->boundary[side].contact, 0.0) * BoxArea(scene, side / 2);
+  flow->state->tension_energy = 2.0 * sum[0] / sum[1];
   PetscCall(StrainTensionMatrix(p, cells, &K));
-  PetscCall(
-      VelocityRowsDivide(p, mass, -flow->clock->dt * scene->tension / (scene->rho * scene->nu), K));
+  PetscCall(VelocityRowsDivide(p, mass, -flow->clock->dt / (scene->rho * scene->nu), K));
   if (SceneViscosityVaries(scene) && p->dim == 2) {
     PetscCall(PetscObjectReference((PetscObject)K));
     flow->ops->cut_part[0] = visc->A;

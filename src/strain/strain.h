@@ -9,7 +9,11 @@
 #define CELL_CORNERS  (1 << ISPH_MAX_DIM)
 #define CELL_SURFACES 12 /* parts of the surface in a cell, at most */
 
-/* The part of a cell with positive distances at its corners, first axis fastest. */
+/* Volume of a part of a cell that counts, over that of the cell. Corners so near to a surface are
+   on it: the facets of a part that is left out would be lost. */
+#define LEAST_PART 1e-6
+
+/* The part of a cell with positive distances at its corners. */
 typedef struct {
   PetscReal volume;                                            /* [m^dim] */
   PetscReal centre[ISPH_MAX_DIM];                              /* mean of its sides [m] */
@@ -18,10 +22,11 @@ typedef struct {
   PetscReal normal[CELL_SURFACES][ISPH_MAX_DIM];               /* out of the part, times area */
   PetscReal place[CELL_SURFACES][ISPH_MAX_DIM];                /* their centroids [m] */
   PetscReal corner[CELL_SURFACES][ISPH_MAX_DIM][ISPH_MAX_DIM]; /* their dim corners [m] */
+  PetscBool between[CELL_SURFACES];                            /* they are of an interface */
 } CellPart;
 
 void StrainCut(PetscInt dim, const PetscReal lo[], const PetscReal edge[], const PetscReal d[],
-               CellPart *part);
+               const PetscReal phi[], CellPart *part);
 
 /* StrainIsStiffer - Returns true if fluid a gives the velocity on its interface with b; not
    collective */
@@ -70,6 +75,34 @@ typedef struct {
   Facet   *facet;
 } Facets;
 
+/* straincorners.c */
+
+/* Corners of the block of cells. */
+typedef struct {
+  PetscInt   all;
+  PetscInt  *fluid; /* at each corner; NULL: one fluid */
+  PetscInt  *other; /* beyond its interface; its own without */
+  PetscReal *phi;   /* distance from its interface, at least 0 [m] */
+  PetscReal *depth; /* below the free surface; NULL: there is none [m] */
+} StrainNodes;
+
+/* A cell of the block. */
+typedef struct {
+  PetscInt  cell[ISPH_MAX_DIM], node[CELL_CORNERS];
+  PetscReal lo[ISPH_MAX_DIM];
+} StrainCell;
+
+PetscErrorCode StrainNodesFind(const Scene *scene, const Particles *p, PetscReal edge,
+                               const StrainQuantity *quantity, StrainLattice *l,
+                               StrainNodes *corners);
+PetscErrorCode StrainNodesFree(StrainNodes *corners);
+PetscReal      StrainBodiesDistance(const Scene *scene, const PetscReal x[], PetscInt *body);
+void StrainCellSet(const Scene *scene, const StrainLattice *l, PetscInt k, StrainCell *cell);
+void StrainDistancesIn(const StrainLattice *l, const StrainNodes *corners, const StrainCell *cell,
+                       PetscReal d[]);
+const PetscReal *StrainPhiIn(PetscInt dim, const StrainNodes *corners, const StrainCell *cell,
+                             PetscInt fluid, PetscReal phi[]);
+
 /* strainlevel.c */
 #define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
 
@@ -79,7 +112,8 @@ typedef struct {
 typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
 PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
                                    const PetscReal x[], PetscInt list[], PetscReal *C);
-PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau);
+PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
+                           StrainVolume Volume, void *ctx, PetscReal *tau);
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
                             const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
                             PetscReal gradient[]);
@@ -87,13 +121,13 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
 /* strainmotion.c */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
                             StrainCells *cells);
-PetscErrorCode StrainFluxes(const Particles *p, const StrainPoints *points, const Facets *facets,
-                            StrainCells *cells);
+PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
+                            const Facets *facets, StrainCells *cells);
 PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
 
 /* strainsurface.c */
-PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM],
-                              StrainSurface *surface);
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt fluid,
+                              PetscBool between, PetscReal tension, StrainSurface *surface);
 PetscErrorCode StrainWetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt body,
                             StrainSurface *surface);
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *lattice,
@@ -128,8 +162,7 @@ static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)
 }
 
 void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
-                          PetscReal *const value[], PetscReal tension, PetscReal dt,
-                          PetscReal force[]);
+                          PetscReal *const value[], PetscReal dt, PetscReal force[]);
 PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], StrainCells *cells);
 PetscErrorCode StrainFeet(StrainFits *fits);
 PetscErrorCode StrainRowsOf(StrainFits *fits, const StrainPoints *points, StrainRows *rows);

@@ -3,13 +3,7 @@
    fluid. */
 #include "strain.h"
 
-/* Volume of a part of a cell that counts, over that of the cell. Corners so near to a surface are
-   on it: the facets of a part that is left out would be lost. */
-#define LEAST_PART 1e-6
-#define LEAST_MASS 0.3  /* of a particle, over its volume */
-#define NODE_REACH 1.5  /* particles that decide on the interface at a corner [dx] */
-#define VOID_REACH 1.2  /* without a particle so near a corner is outside the free surface [dx] */
-#define TIE        1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
+#define LEAST_MASS 0.3 /* of a particle, over its volume */
 
 /* StrainEdge - Returns the edge of the cells of the velocity [dx]; not collective */
 PetscReal StrainEdge(const Scene *scene)
@@ -27,199 +21,9 @@ PetscReal StrainReach(const Scene *scene)
   return (2.0 * FIT_REACH + 2.0 * StrainEdge(scene) + foot) * SceneCoarsest(scene);
 }
 
-/* Corners of the block of cells. */
-typedef struct {
-  PetscInt   all;
-  PetscInt  *fluid; /* at each corner; NULL: one fluid */
-  PetscReal *phi;   /* distance from its interface, at least 0 [m] */
-  PetscReal *depth; /* below the free surface; NULL: there is none [m] */
-} Corners;
-
-/* A cell in the making. */
-typedef struct {
-  PetscInt  cell[ISPH_MAX_DIM], node[CELL_CORNERS];
-  PetscReal lo[ISPH_MAX_DIM];
-} Cell;
-
-/* Sets the block of cells in which own particles have a part; returns true if it is a new one. */
-static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge, StrainLattice *l)
-{
-  PetscBool changed = PETSC_FALSE;
-
-  l->dim = p->dim;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    const PetscReal length = scene->hi[a] - scene->lo[a], reach = (FIT_REACH + edge) * scene->dx;
-    PetscInt        first, last;
-
-    l->cells[a] = PetscMax(1, (PetscInt)(length / (edge * scene->dx) + 0.5));
-    l->edge[a]  = length / l->cells[a];
-    first = (PetscInt)PetscFloorReal((PetscMax(p->lo[a], scene->lo[a]) - reach - scene->lo[a]) /
-                                     l->edge[a]);
-    last  = (PetscInt)PetscFloorReal((PetscMin(p->hi[a], scene->hi[a]) + reach - scene->lo[a]) /
-                                     l->edge[a]);
-    if (!SceneIsPeriodic(scene, a)) {
-      first = PetscMax(first, 0);
-      last  = PetscMin(last, l->cells[a] - 1);
-    }
-    if (l->first[a] != first || l->n[a] != last - first + 1) changed = PETSC_TRUE;
-    l->first[a] = first;
-    l->n[a]     = last - first + 1;
-  }
-  return changed;
-}
-
-/* Computes the place of a corner [m]; in periodic directions it may be outside the box. */
-static void CornerPlace(const Scene *scene, const StrainLattice *l, const PetscInt index[],
-                        PetscReal x[])
-{
-  for (PetscInt a = 0; a < l->dim; a++) x[a] = scene->lo[a] + (l->first[a] + index[a]) * l->edge[a];
-}
-
-/* Computes the indices of corner k. */
-static void CornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[])
-{
-  for (PetscInt a = 0; a < l->dim; a++) {
-    index[a] = k % (l->n[a] + 1);
-    k /= l->n[a] + 1;
-  }
-}
-
-static PetscInt CornerCount(const StrainLattice *l)
-{
-  PetscInt n = 1;
-
-  for (PetscInt a = 0; a < l->dim; a++) n *= l->n[a] + 1;
-  return n;
-}
-
-/* Computes the distance of x from the bodies, positive in the fluid [m]; body - the nearest. */
-static PetscReal BodiesDistance(const Scene *scene, const PetscReal x[], PetscInt *body)
-{
-  PetscReal best = PETSC_INFINITY, y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-
-  for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a];
-  SceneIntoBox(scene, y);
-  *body = -1;
-  for (PetscInt s = 2 * scene->dim; s < SceneBoundaries(scene); s++) {
-    const PetscReal d = BodyDistance(scene, BoundaryBody(scene, s), y, normal);
-
-    if (d < best) *body = s;
-    best = PetscMin(best, d);
-  }
-  return best;
-}
-
-/* Computes the distances of the corners from the bodies. */
-static PetscErrorCode SetDistances(const Scene *scene, StrainLattice *l)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(l->distance));
-  if (!scene->n_bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(CornerCount(l), &l->distance));
-  for (PetscInt k = 0; k < CornerCount(l); k++) {
-    PetscInt  index[ISPH_MAX_DIM], body;
-    PetscReal x[ISPH_MAX_DIM];
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    l->distance[k] = BodiesDistance(scene, x, &body);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the fluid at each corner and its distance from the interface, by the particles around. */
-static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const StrainLattice *l,
-                                Corners *corners)
-{
-  const PetscReal reach = NODE_REACH * scene->dx;
-  Cells           cells = {0};
-  PetscInt       *list;
-
-  PetscFunctionBegin;
-  PetscCall(CellsBuild(p, reach, &cells));
-  PetscCall(PetscMalloc1(cells.n, &list));
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscInt       index[ISPH_MAX_DIM], n;
-    PetscReal      x[ISPH_MAX_DIM];
-    InterfacePlane plane;
-    PetscBool      cut;
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
-    cut               = InterfaceNear(p, x, n, list, &plane);
-    corners->fluid[k] = plane.fluid[plane.offset < 0.0];
-    corners->phi[k]   = cut ? PetscAbsReal(plane.offset) : reach;
-    if (corners->phi[k] >= TIE * scene->dx) continue;
-    corners->phi[k]   = TIE * scene->dx;
-    corners->fluid[k] = plane.fluid[StrainIsStiffer(scene, plane.fluid[1], plane.fluid[0])];
-  }
-  PetscCall(PetscFree(list));
-  PetscCall(CellsFree(&cells));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the depths of the corners below the tangent plane of the nearest particle on the free
-   surface. */
-static PetscErrorCode SetTangentDepths(const Scene *scene, const Particles *p,
-                                       const FreeSurface *free, const StrainLattice *l,
-                                       Corners *corners)
-{
-  const PetscReal reach = NODE_REACH * scene->dx;
-  Cells           cells = {0};
-  PetscInt       *list;
-
-  PetscFunctionBegin;
-  PetscCall(CellsBuild(p, reach, &cells));
-  PetscCall(PetscMalloc1(cells.n + 1, &list));
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscInt  index[ISPH_MAX_DIM], n;
-    PetscReal x[ISPH_MAX_DIM], least[2] = {PETSC_INFINITY, PETSC_INFINITY}, depth = reach;
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
-    for (PetscInt q = 0; q < n; q++) {
-      const PetscInt  j  = list[q];
-      PetscReal       r2 = 0.0, along = 0.0;
-      const PetscBool on = !ParticlesIsWall(p, j) && free->kind[j] != SURFACE_INSIDE;
-
-      if (ParticlesIsWall(p, j) || free->kind[j] == SURFACE_ISOLATED) continue;
-      for (PetscInt a = 0; a < p->dim; a++) {
-        r2 += PetscSqr(x[a] - p->x[a][j]);
-        if (on) along += (p->x[a][j] - x[a]) * free->normal[j * p->dim + a];
-      }
-      least[0] = PetscMin(least[0], r2);
-      if (!on || r2 >= least[1]) continue;
-      least[1] = r2;
-      depth    = along;
-    }
-    corners->depth[k] = least[0] < PetscSqr(VOID_REACH * scene->dx) ? depth : -reach;
-  }
-  PetscCall(PetscFree(list));
-  PetscCall(CellsFree(&cells));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets a cell of the block by its number. */
-static void SetCell(const Scene *scene, const StrainLattice *l, PetscInt k, Cell *cell)
-{
-  for (PetscInt a = 0; a < l->dim; a++) {
-    cell->cell[a] = k % l->n[a];
-    k /= l->n[a];
-  }
-  CornerPlace(scene, l, cell->cell, cell->lo);
-  for (PetscInt c = 0; c < 1 << l->dim; c++) {
-    PetscInt node = 0;
-
-    for (PetscInt a = l->dim - 1; a >= 0; a--)
-      node = node * (l->n[a] + 1) + cell->cell[a] + ((c >> a) & 1);
-    cell->node[c] = node;
-  }
-}
-
 /* Lists the fluids of a cell; returns their number. */
-static PetscInt FluidsOf(PetscInt dim, const Corners *corners, const Cell *cell, PetscInt fluid[])
+static PetscInt FluidsOf(PetscInt dim, const StrainNodes *corners, const StrainCell *cell,
+                         PetscInt fluid[])
 {
   PetscInt n = 0;
 
@@ -235,138 +39,6 @@ static PetscInt FluidsOf(PetscInt dim, const Corners *corners, const Cell *cell,
     if (k == n) fluid[n++] = f;
   }
   return n;
-}
-
-/* Computes the distances at the corners of a cell from the boundary of a fluid: of bodies and of
-   interfaces. */
-static void DistancesIn(const StrainLattice *l, const Corners *corners, const Cell *cell,
-                        PetscInt fluid, PetscReal d[])
-{
-  for (PetscInt c = 0; c < 1 << l->dim; c++) {
-    const PetscInt node = cell->node[c];
-
-    d[c] = l->distance ? l->distance[node] : PETSC_INFINITY;
-    if (corners->depth) d[c] = PetscMin(d[c], corners->depth[node]);
-    if (PetscAbsReal(d[c]) < LEAST_PART * l->edge[0]) d[c] = 0.0;
-    if (corners->fluid)
-      d[c] =
-          PetscMin(d[c], corners->fluid[node] == fluid ? corners->phi[node] : -corners->phi[node]);
-    d[c] = PetscMin(d[c], 1e3 * l->edge[0]);
-  }
-}
-
-/* The own cells whose volume StrainLevel() compares with that of the particles. */
-typedef struct {
-  const Scene         *scene;
-  const StrainLattice *l;
-  Corners             *corners;
-  const PetscReal     *C; /* concentration at corners */
-  PetscReal            whole;
-  PetscInt             n, *cell; /* cells that a level between the bounds may cut, or bodies */
-} Levels;
-
-/* Sets the depths of corners below the level tau of the concentration. */
-static void SetDepths(const Levels *of, PetscReal tau)
-{
-  for (PetscInt k = 0; k < of->corners->all; k++)
-    of->corners->depth[k] = StrainDepth(of->scene, of->C[k] - tau);
-}
-
-/* Returns the volume of own cells at a level. */
-static PetscReal VolumeAt(void *ctx, PetscReal tau)
-{
-  const Levels *of  = (const Levels *)ctx;
-  PetscReal     sum = of->whole;
-
-  SetDepths(of, tau);
-  for (PetscInt k = 0; k < of->n; k++) {
-    PetscReal d[CELL_CORNERS];
-    Cell      cell;
-    CellPart  part;
-
-    SetCell(of->scene, of->l, of->cell[k], &cell);
-    DistancesIn(of->l, of->corners, &cell, 0, d);
-    StrainCut(of->l->dim, cell.lo, of->l->edge, d, &part);
-    sum += part.volume;
-  }
-  return sum;
-}
-
-/* Sorts out the own cells: those that are whole at every level, and those that may be cut. */
-static void SortCells(const Particles *p, Levels *of)
-{
-  const StrainLattice *l   = of->l;
-  PetscInt             all = 1;
-  PetscReal            one = 1.0;
-
-  for (PetscInt a = 0; a < l->dim; a++) {
-    all *= l->n[a];
-    one *= l->edge[a];
-  }
-  of->n     = 0;
-  of->whole = 0.0;
-  for (PetscInt k = 0; k < all; k++) {
-    PetscReal x[ISPH_MAX_DIM], low = PETSC_INFINITY, high = 0.0, depth = PETSC_INFINITY;
-    Cell      cell;
-
-    SetCell(of->scene, l, k, &cell);
-    for (PetscInt a = 0; a < l->dim; a++) x[a] = cell.lo[a] + 0.5 * l->edge[a];
-    for (PetscInt c = 0; c < 1 << l->dim; c++) {
-      low  = PetscMin(low, of->C[cell.node[c]]);
-      high = PetscMax(high, of->C[cell.node[c]]);
-      if (l->distance) depth = PetscMin(depth, l->distance[cell.node[c]]);
-    }
-    if (high <= LEVEL_LOW || !ParticlesHolds(p, x)) continue;
-    if (low > LEVEL_HIGH && depth > 0.0) of->whole += one;
-    else of->cell[of->n++] = k;
-  }
-}
-
-/* Ends the run if fluid is outside the box, where there are no cells; collective. */
-static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
-{
-  int out = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    for (PetscInt a = 0; a < p->dim; a++)
-      if (!SceneIsPeriodic(scene, a) && (p->x[a][i] < scene->lo[a] || p->x[a][i] > scene->hi[a]))
-        out = 1;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MAX, p->comm));
-  UserCheck(!out, "-scene_box: fluid has left the box, and with -visc_laplacian weak_stress there "
-                  "is none outside; give a "
-                  "smaller -t_end or a larger -scene_box");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
-static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
-                                  Corners *corners)
-{
-  Cells     cells = {0};
-  PetscInt *list;
-  PetscReal tau, *C;
-  Levels    of = {.scene = scene, .l = l, .corners = corners};
-
-  PetscFunctionBegin;
-  PetscCall(CheckInside(scene, p));
-  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &cells));
-  PetscCall(PetscMalloc3(cells.n + 1, &list, corners->all, &C, corners->all, &of.cell));
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscInt  index[ISPH_MAX_DIM];
-    PetscReal x[ISPH_MAX_DIM];
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    PetscCall(StrainConcentration(scene, p, &cells, x, list, &C[k]));
-  }
-  of.C = C;
-  SortCells(p, &of);
-  PetscCall(StrainLevel(p, VolumeAt, &of, &tau));
-  SetDepths(&of, tau);
-  PetscCall(PetscFree3(list, C, of.cell));
-  PetscCall(CellsFree(&cells));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Rows of the velocity on sides of cells, and on surfaces in them. */
@@ -389,7 +61,8 @@ static PetscInt StiffestOf(const Scene *scene, PetscInt n, const PetscInt fluid[
 }
 
 /* Returns the boundary of the box that a side of a cell is on; -1: none. */
-static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const Cell *cell, PetscInt side)
+static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const StrainCell *cell,
+                        PetscInt side)
 {
   const PetscInt a = side / 2, index = l->first[a] + cell->cell[a];
 
@@ -399,7 +72,7 @@ static PetscInt BoxSide(const Scene *scene, const StrainLattice *l, const Cell *
 }
 
 /* Finds or adds the point of a side of a cell's part. */
-static PetscErrorCode SidePoint(const Scene *scene, const StrainLattice *l, const Cell *cell,
+static PetscErrorCode SidePoint(const Scene *scene, const StrainLattice *l, const StrainCell *cell,
                                 PetscInt side, PetscInt fluid, const PetscReal x[], Sides *sides,
                                 PetscInt *point)
 {
@@ -434,8 +107,8 @@ static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal nor
 }
 
 /* Returns the value at x of a function that is linear along the edges of a cell. */
-static PetscReal ValueAt(const StrainLattice *l, const Cell *cell, const PetscReal of_corner[],
-                         const PetscReal x[])
+static PetscReal ValueAt(const StrainLattice *l, const StrainCell *cell,
+                         const PetscReal of_corner[], const PetscReal x[])
 {
   PetscReal sum = 0.0;
 
@@ -453,8 +126,9 @@ static PetscReal ValueAt(const StrainLattice *l, const Cell *cell, const PetscRe
 }
 
 /* Adds the facets of a part of a cell. */
-static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corners *corners,
-                              PetscInt n_fluids, const PetscInt fluids[], PetscInt fluid,
+static PetscErrorCode AddPart(const Scene *scene, const StrainCell *cell,
+                              const StrainNodes *corners, PetscInt n_fluids,
+                              const PetscInt fluids[], PetscInt fluid,
                               const StrainQuantity *quantity, const CellPart *part, StrainCells *s,
                               Sides *sides, Facets *facets)
 {
@@ -473,27 +147,31 @@ static PetscErrorCode AddPart(const Scene *scene, const Cell *cell, const Corner
     PetscCall(AddFacet(l->dim, point, normal, part->volume, facets));
   }
   for (PetscInt k = 0; k < part->n_surface; k++) {
-    PetscInt        body = -1;
-    const PetscReal d = l->distance ? BodiesDistance(scene, part->place[k], &body) : PETSC_INFINITY;
-    PetscBool       near = body >= 0 && PetscAbsReal(d) < 0.1 * l->edge[0], wall;
+    const PetscBool between = part->between[k];
+    const PetscInt  of      = between ? stiff : fluid;
+    PetscInt        body    = -1;
 
-    if (body >= 0 && corners->depth) /* the facet is on the less deep of them */
-      near = ValueAt(l, cell, l->distance, part->place[k]) <
-             ValueAt(l, cell, corners->depth, part->place[k]);
-    wall = other < 0 || near;
-    if (quantity->cut && !quantity->gives && !near) {
+    if (l->distance && !between) (void)StrainBodiesDistance(scene, part->place[k], &body);
+    if (body >= 0 && corners->depth && /* the facet is on the less deep of them */
+        ValueAt(l, cell, l->distance, part->place[k]) >=
+            ValueAt(l, cell, corners->depth, part->place[k]))
+      body = -1;
+    if (quantity->cut && !quantity->gives && body < 0) {
+      const PetscReal tension = !between ? scene->tension
+                                : fluid  ? scene->region_tension[fluid - 1]
+                                         : 0.0;
+
       for (PetscInt v = 0; v < l->dim; v++) /* corners have no points yet */
         PetscCall(AddFacet(l->dim, -1 - (s->surface.n * l->dim + v), part->normal[k],
                            part->volume * l->dim, facets));
-      PetscCall(StrainFacetAdd(l->dim, part->corner[k], &s->surface));
+      PetscCall(StrainFacetAdd(l->dim, part->corner[k], of, between, tension, &s->surface));
       continue;
     }
     if (quantity->cut && !quantity->gives)
       PetscCall(StrainWetAdd(l->dim, part->corner[k], body, &s->surface));
-    if (corners->depth && !near) body = quantity->gives ? SceneBoundaries(scene) : -1;
+    if (corners->depth && body < 0 && !between && quantity->gives) body = SceneBoundaries(scene);
     point = sides->points.n;
-    PetscCall(StrainPointAdd(l->dim, part->place[k], wall ? fluid : stiff, wall ? body : -1,
-                             &sides->points));
+    PetscCall(StrainPointAdd(l->dim, part->place[k], of, body, &sides->points));
     PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -515,8 +193,8 @@ static PetscErrorCode CellsReserve(PetscInt dim, StrainCells *s, Facets *facets)
 }
 
 /* Adds the areas of sides of the box in the last cell, if this rank has it. */
-static void AddWet(const Scene *scene, const Particles *p, const Cell *cell, const CellPart *part,
-                   StrainCells *s)
+static void AddWet(const Scene *scene, const Particles *p, const StrainCell *cell,
+                   const CellPart *part, StrainCells *s)
 {
   PetscReal x[ISPH_MAX_DIM];
 
@@ -528,7 +206,7 @@ static void AddWet(const Scene *scene, const Particles *p, const Cell *cell, con
 
 /* Finds the cells and their facets. */
 static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
-                                const StrainQuantity *quantity, const Corners *corners,
+                                const StrainQuantity *quantity, const StrainNodes *corners,
                                 StrainCells *s, Sides *sides, Facets *facets)
 {
   const StrainLattice *l     = &s->lattice;
@@ -544,17 +222,18 @@ static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
     whole *= l->edge[a];
   }
   for (PetscInt k = 0; k < all; k++) {
-    PetscInt fluid[CELL_CORNERS], n;
-    Cell     cell;
+    PetscInt   fluid[CELL_CORNERS], n;
+    StrainCell cell;
 
-    SetCell(scene, l, k, &cell);
+    StrainCellSet(scene, l, k, &cell);
     n = FluidsOf(l->dim, corners, &cell, fluid);
     for (PetscInt q = 0; q < n; q++) {
-      PetscReal d[CELL_CORNERS];
+      PetscReal d[CELL_CORNERS], phi[CELL_CORNERS];
       CellPart  part;
 
-      DistancesIn(l, corners, &cell, fluid[q], d);
-      StrainCut(l->dim, cell.lo, l->edge, d, &part);
+      StrainDistancesIn(l, corners, &cell, d);
+      StrainCut(l->dim, cell.lo, l->edge, d, StrainPhiIn(l->dim, corners, &cell, fluid[q], phi),
+                &part);
       if (part.volume < LEAST_PART * whole) continue;
       PetscCall(CellsReserve(l->dim, s, facets));
       s->volume[s->n]     = part.volume;
@@ -718,7 +397,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
                           .degree = PetscMin(degree, 3),
                           .free   = quantity->cut,
                           .sets   = quantity->sets};
-  Corners      corners = {.fluid = NULL};
+  StrainNodes  corners = {.fluid = NULL};
   Sides        sides   = {.side = NULL};
   Facets       facets  = {.n = 0};
   StrainRows   rows    = {.n = 0};
@@ -729,19 +408,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   s       = *cells;
   s->sets = quantity->sets;
   if (quantity->gives && !s->mean) PetscCall(PetscMalloc1(PetscMax(s->room[0], 1), &s->mean));
-  if (SetBlock(scene, p, edge, &s->lattice) || (scene->n_bodies && !s->lattice.distance) ||
-      scene->pose) /* bodies move */
-    PetscCall(SetDistances(scene, &s->lattice));
-  corners.all = CornerCount(&s->lattice);
-  if (p->fluid) {
-    PetscCall(PetscMalloc2(corners.all, &corners.fluid, corners.all, &corners.phi));
-    PetscCall(SetFluids(scene, p, &s->lattice, &corners));
-  }
-  if (quantity->free || quantity->cut) {
-    PetscCall(PetscMalloc1(corners.all, &corners.depth));
-    if (quantity->cut) PetscCall(FindSurface(scene, p, &s->lattice, &corners));
-    else PetscCall(SetTangentDepths(scene, p, quantity->free, &s->lattice, &corners));
-  }
+  PetscCall(StrainNodesFind(scene, p, edge, quantity, &s->lattice, &corners));
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
@@ -760,15 +427,15 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     s->surface.rows = rows;
     rows            = (StrainRows){.n = 0};
     for (PetscInt q = 0; q < s->sets; q++)
-      PetscCall(PetscArraycpy(s->mass[q], p->volume, p->n_fluid));
+      for (PetscInt i = 0; i < p->n_fluid; i++)
+        s->mass[q][i] = p->volume[i] * (ParticlesDensity(scene, p, i) / scene->rho);
     PetscCall(StrainMotion(scene, p, &sides.points, s));
-    PetscCall(StrainFluxes(p, &sides.points, &facets, s));
+    PetscCall(StrainFluxes(scene, p, &sides.points, &facets, s));
   }
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
   PetscCall(PetscFree(fits.foot));
-  PetscCall(PetscFree2(corners.fluid, corners.phi));
-  PetscCall(PetscFree(corners.depth));
+  PetscCall(StrainNodesFree(&corners));
   PetscCall(StrainPointsFree(&sides.points));
   PetscCall(FreeAll(&sides.side, &facets.first, &facets.facet));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -782,14 +449,14 @@ PetscBool StrainSolid(const Scene *scene, const StrainCells *s, PetscInt k, Pets
   const StrainLattice *l   = &s->lattice;
   PetscInt             all = l->distance ? 1 : 0;
   PetscReal            d[CELL_CORNERS];
-  Cell                 cell;
+  StrainCell           cell;
   CellPart             part;
 
   for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
   if (k >= all) return PETSC_FALSE;
-  SetCell(scene, l, k, &cell);
+  StrainCellSet(scene, l, k, &cell);
   for (PetscInt c = 0; c < 1 << l->dim; c++) d[c] = -l->distance[cell.node[c]];
-  StrainCut(l->dim, cell.lo, l->edge, d, &part);
+  StrainCut(l->dim, cell.lo, l->edge, d, NULL, &part);
   *volume = part.volume;
   for (PetscInt a = 0; a < l->dim; a++) x[a] = part.centre[a];
   return PETSC_TRUE;
@@ -805,7 +472,9 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(FreeAll(&s->lattice.distance, &s->volume, &s->nu, &s->fluid, &s->mean, &s->border.side,
                     &s->border.row, &s->border.normal, &s->border.x));
   PetscCall(StrainRowsFree(&s->border.rows));
-  PetscCall(FreeAll(&s->surface.corner, &s->surface.x, &s->surface.wet_x, &s->surface.wet_body));
+  PetscCall(FreeAll(&s->surface.corner, &s->surface.x, &s->surface.fluid, &s->surface.between,
+                    &s->surface.tension, &s->surface.on_level, &s->surface.wet_x,
+                    &s->surface.wet_body));
   PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(StrainBlocksFree(&s->surface.motion));
   PetscCall(StrainBlocksFree(&s->flux));

@@ -234,30 +234,31 @@ static PetscErrorCode FitGroup(PetscInt dim, PetscInt degree, Around around[], N
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the fit at point i of a group as a row; points of interfaces stand for their own rows. */
+/* Adds the weight of a candidate of a fit; a point of an interface stands for its own row. */
+static PetscErrorCode AddWeight(const StrainFits *f, PetscInt j, PetscReal w, StrainRows *rows)
+{
+  PetscFunctionBegin;
+  if (j >= 0) PetscCall(AddEntry(j, w, rows));
+  for (PetscInt e = j < 0 ? f->feet.start[-1 - j] : 0; j < 0 && e < f->feet.start[-j]; e++)
+    PetscCall(AddEntry(f->feet.j[e], w * f->feet.w[e], rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the fit at point i of a group as a row. */
 static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *around,
                              const NearestFits *g, StrainRows *rows)
 {
   const PetscInt m = 1 << f->p->dim;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < g->n[i]; k++) {
-    const PetscInt  j = around->j[around->at[k]];
-    const PetscReal w = g->w[k * m + i];
-
-    if (j >= 0) {
-      PetscCall(AddEntry(j, w, rows));
-      continue;
-    }
-    for (PetscInt e = f->feet.start[-1 - j]; e < f->feet.start[-j]; e++)
-      PetscCall(AddEntry(f->feet.j[e], w * f->feet.w[e], rows));
-  }
+  for (PetscInt k = 0; k < g->n[i]; k++)
+    PetscCall(AddWeight(f, around->j[around->at[k]], g->w[k * m + i], rows));
   PetscCall(EndRow(rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the fit at a point of a fluid with a free surface: of all particles within SURFACE_RADIUS,
-   with a ridge that lowers its degree where they are few or in a row. */
+/* Adds the fit at a point of a fluid with a free surface: of all its particles within
+   SURFACE_RADIUS, with a ridge that lowers its degree where they are few or in a row. */
 static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, StrainRows *rows)
 {
   const PetscInt  d = f->p->dim, terms = 1 + d + d * (d + 1) / 2;
@@ -268,7 +269,7 @@ static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, S
   PetscFunctionBegin;
   while (n < around->n && around->r2[around->at[n]] < R * R) n++;
   if (!n) {
-    if (around->n) PetscCall(AddEntry(around->j[around->at[0]], 1.0, rows));
+    if (around->n) PetscCall(AddWeight(f, around->j[around->at[0]], 1.0, rows));
     PetscCall(EndRow(rows));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -293,7 +294,7 @@ static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, S
     PetscReal w = 0.0;
 
     for (PetscInt e = 0; e < terms; e++) w += c[e] * B[k][e];
-    PetscCall(AddEntry(around->j[around->at[k]], w * W[k], rows));
+    PetscCall(AddWeight(f, around->j[around->at[k]], w * W[k], rows));
   }
   PetscCall(EndRow(rows));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -197,15 +197,16 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StrainLevel - Finds the level tau at which own cells of all ranks have the volume of the
-   particles, by false position; collective. Input: Volume - of this rank's cells at a level. */
-PetscErrorCode StrainLevel(const Particles *p, StrainVolume Volume, void *ctx, PetscReal *tau)
+/* StrainLevel - Finds the level tau between two bounds at which own cells of all ranks have the
+   volume of the particles, by false position; collective. Input: own - volume of this rank's
+   particles; Volume - of this rank's cells at a level, which falls with it. */
+PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
+                           StrainVolume Volume, void *ctx, PetscReal *tau)
 {
-  PetscReal at[2] = {LEVEL_LOW, LEVEL_HIGH}, off[2], own = 0.0, wanted;
-  PetscInt  last = -1; /* the end that has moved */
+  PetscReal at[2] = {low, high}, off[2], wanted;
+  PetscInt  last  = -1; /* the end that has moved */
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
   for (PetscInt e = 0; e < 2; e++) off[e] = Volume(ctx, at[e]) - own;
   PetscCallMPI(MPI_Allreduce(&own, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPIU_REAL, MPIU_SUM, p->comm));

@@ -119,8 +119,12 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
     PetscReal size = PETSC_MACHINE_EPSILON;
 
     for (PetscInt a = 0; a < d; a++) x[a] = points->x[a][s->first + v];
-    PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal));
-    for (PetscInt a = 0; a < d; a++) size += PetscSqr(normal[a]);
+    if (s->on_level[v]) PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal));
+    else n = -1; /* it moves with the fits */
+    for (PetscInt a = 0; a < d; a++) {
+      if (n < 0) normal[a] = 0.0;
+      size += PetscSqr(normal[a]);
+    }
     size = PetscSqrtReal(size);
     for (PetscInt a = 0; a < d; a++) {
       normal[a] /= -size;
@@ -156,14 +160,15 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
 /* Adds facet k of a cell to the weights: a component of the velocity through it times the way from
    the middle of the cell. Input: own - the cell is in the box of this rank, which adds walls'. */
 static void AddWeights(const Particles *p, const StrainPoints *points, const StrainCells *s,
-                       const Facet *facet, PetscInt c, PetscBool own, PetscReal *const weight[])
+                       const Facet *facet, PetscInt c, PetscReal density, PetscBool own,
+                       PetscReal *const weight[])
 {
   const StrainSurface *surface = &s->surface;
   const PetscInt       d = p->dim, v = facet->point - surface->first;
   PetscReal            part[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < d; a++)
-    part[a] = s->volume[c] * (points->x[a][facet->point] - s->centre[a][c]);
+    part[a] = density * s->volume[c] * (points->x[a][facet->point] - s->centre[a][c]);
   if (v >= 0) {
     for (PetscInt e = surface->motion.start[v]; e < surface->motion.start[v + 1]; e++) {
       const PetscInt j = surface->motion.j[e];
@@ -220,13 +225,13 @@ static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *fac
   StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
   there, and the weights of the rows, on which body forces act,
 
-    (w_i)_ab = sum_c sum over its facets f of (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
+    (w_i)_ab = sum_c r_c sum over its facets f of (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
 
-  Not collective. The gradient of a linear pressure that vanishes on the surface then balances a
-  uniform force.
+  with the density r_c of its fluid over that of fluid 0. Not collective. The gradient of a linear
+  pressure in each fluid that vanishes on the surface then balances a uniform force.
 */
-PetscErrorCode StrainFluxes(const Particles *p, const StrainPoints *points, const Facets *facets,
-                            StrainCells *s)
+PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
+                            const Facets *facets, StrainCells *s)
 {
   const PetscInt d = p->dim;
   PetscInt      *place;
@@ -246,8 +251,11 @@ PetscErrorCode StrainFluxes(const Particles *p, const StrainPoints *points, cons
     for (PetscInt a = 0; a < d; a++) x[a] = s->centre[a][c];
     own = ParticlesHolds(p, x);
     for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
-      AddWeights(p, points, s, &facets->facet[k], c, own, s->weight);
-      if (facets->facet[k].point >= s->surface.first)
+      const PetscInt v = facets->facet[k].point - s->surface.first;
+
+      AddWeights(p, points, s, &facets->facet[k], c, SceneFluidDensity(scene, s->fluid[c]), own,
+                 s->weight);
+      if (v >= 0 && s->surface.on_level[v])
         PetscCall(AddFlux(d, s, &facets->facet[k], c, place, &s->flux));
     }
     EndBlocks(c, &s->flux, place);

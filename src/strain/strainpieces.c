@@ -1,5 +1,6 @@
-/* The pieces of the fluid: strain cells that touch by their sides. A piece has the least id of its
-   particles as its name, which is the same on all ranks and goes from rank to rank by the halo. */
+/* The pieces of the fluid, or of one of several: strain cells that touch by their sides. A piece has
+   the least id of its particles as its name, which is the same on all ranks and goes from rank to
+   rank by the halo. */
 #include "strain.h"
 
 /* Returns the root of a cell in a forest of cells that touch. */
@@ -18,10 +19,16 @@ static PetscInt PlaceOf(const Scene *scene, const StrainLattice *l, const PetscR
   return k;
 }
 
+/* Returns true if a cell is in a fluid; -1: in any. */
+static PetscBool IsIn(const StrainCells *s, PetscInt fluid, PetscInt c)
+{
+  return fluid < 0 || s->fluid[c] == fluid ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Joins the cells of this rank that touch. Output: at - a cell by its place in the block, -1: none;
    parent - forest. */
-static void Join(const Scene *scene, const StrainCells *s, PetscInt all, PetscInt at[],
-                 PetscInt parent[])
+static void Join(const Scene *scene, const StrainCells *s, PetscInt fluid, PetscInt all,
+                 PetscInt at[], PetscInt parent[])
 {
   const StrainLattice *l = &s->lattice;
 
@@ -30,6 +37,8 @@ static void Join(const Scene *scene, const StrainCells *s, PetscInt all, PetscIn
     PetscReal x[ISPH_MAX_DIM];
     PetscInt  k, step = 1;
 
+    parent[c] = c;
+    if (!IsIn(s, fluid, c)) continue;
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->centre[a][c];
     k         = PlaceOf(scene, l, x);
     parent[c] = at[k] < 0 ? c : at[k]; /* of several fluids in a lattice cell */
@@ -40,10 +49,10 @@ static void Join(const Scene *scene, const StrainCells *s, PetscInt all, PetscIn
   }
 }
 
-/* StrainPieces - Computes the name of the piece of fluid of each cell, -1 without particles.
-   Collective. Output: piece - by cell. */
+/* StrainPieces - Computes the name of the piece of a fluid of each cell, -1 without its particles.
+   Collective. Input: fluid - of the pieces; -1: all fluids are one. Output: piece - by cell. */
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const StrainCells *s,
-                            PetscInt piece[])
+                            PetscInt fluid, PetscInt piece[])
 {
   const StrainLattice *l   = &s->lattice;
   PetscInt             all = 1, *at, *parent;
@@ -53,7 +62,7 @@ PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const Strain
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
   PetscCall(PetscMalloc3(all, &at, s->n, &parent, ParticlesAll(p), &name));
-  Join(scene, s, all, at, parent);
+  Join(scene, s, fluid, all, at, parent);
   for (PetscInt c = 0; c < s->n; c++) piece[c] = PETSC_MAX_INT;
   for (PetscInt i = 0; i < ParticlesAll(p); i++) name[i] = (PetscReal)p->id[i];
   while (changed) {
@@ -64,7 +73,7 @@ PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const Strain
         PetscReal x[ISPH_MAX_DIM];
         PetscInt  c;
 
-        if (ParticlesIsWall(p, i)) continue;
+        if (ParticlesIsWall(p, i) || (fluid >= 0 && (PetscInt)p->fluid[i] != fluid)) continue;
         for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
         c = at[PlaceOf(scene, l, x)];
         if (c < 0) continue;

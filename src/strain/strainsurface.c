@@ -19,17 +19,24 @@
 #define SAME_PLACE 1e-6 /* corners so near are the same, over the edge of a cell */
 
 /* StrainFacetAdd - Adds a facet; not collective. Input: x - its dim corners, in the order that
-   turns its normal out of the fluid. */
-PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], StrainSurface *s)
+   turns its normal out of the fluid; fluid - whose fits have its velocity; between - it is of an
+   interface of fluids. */
+PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt fluid,
+                              PetscBool between, PetscReal tension, StrainSurface *s)
 {
   PetscFunctionBegin;
   if (s->n == s->room) {
     s->room = 2 * s->room + 256;
     PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->room * dim), &s->corner));
     PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->room * dim * dim), &s->x));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->room, &s->fluid));
+    PetscCall(PetscRealloc(sizeof(PetscBool) * (size_t)s->room, &s->between));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->room, &s->tension));
   }
   for (PetscInt e = 0; e < dim * dim; e++) s->x[s->n * dim * dim + e] = x[e / dim][e % dim];
-  s->n++;
+  s->fluid[s->n]     = fluid;
+  s->between[s->n]   = between;
+  s->tension[s->n++] = tension;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,21 +81,32 @@ static PetscInt BoxSideAt(const Scene *scene, const PetscReal x[])
   return side;
 }
 
+/* Returns the end of the corners from `first` on that have its place. */
+static PetscInt EndOfPlace(PetscInt n, const Corner corner[], PetscInt first)
+{
+  PetscInt k = first + 1;
+
+  for (; k < n; k++)
+    for (PetscInt c = 0; c < ISPH_MAX_DIM; c++)
+      if (corner[k].x[c] != corner[first].x[c]) return k;
+  return k;
+}
+
 /* StrainCorners - Numbers the corners of the facets, and adds their points; not collective. Cells
    side by side compute the places of their corners alike but for rounding; a corner that rounding
-   counts twice has two equal rows. A corner that wet bodies share is on a contact line. */
+   counts twice has two equal rows. A corner that wet bodies share is on a contact line. The
+   stiffest fluid at a corner gives its velocity. */
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainSurface *s,
                              StrainPoints *points)
 {
   const PetscInt d = l->dim, all = s->n * d, n = all + s->n_wet;
-  PetscInt       side  = -1;
-  PetscBool      added = PETSC_FALSE;
   Corner        *corner;
 
   PetscFunctionBegin;
   s->first     = points->n;
   s->n_corners = 0;
   PetscCall(PetscCalloc1(n, &corner));
+  PetscCall(PetscRealloc(sizeof(PetscBool) * (size_t)(all + 1), &s->on_level));
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal *x = k < all ? &s->x[k * d] : &s->wet_x[(k - all) * d];
 
@@ -97,28 +115,24 @@ PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainS
       corner[k].x[a] = (PetscInt64)PetscFloorReal(x[a] / (SAME_PLACE * l->edge[a]));
   }
   if (n) qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
-  for (PetscInt k = 0; k < n; k++) {
-    PetscBool same = k > 0 ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt k = 0, end; k < n; k = end) {
+    PetscInt  side = -1, fluid = -1;
+    PetscBool on_level = PETSC_FALSE;
 
-    for (PetscInt a = 0; same && a < d; a++)
-      if (corner[k].x[a] != corner[k - 1].x[a]) same = PETSC_FALSE;
-    if (!same) {
-      side  = -1;
-      added = PETSC_FALSE;
-    }
-    if (corner[k].at < 0) { /* those of bodies come first */
-      side = s->wet_body[-1 - corner[k].at];
-      continue;
-    }
-    if (!added) {
-      const PetscReal *x   = &s->x[corner[k].at * d];
-      const PetscInt   box = BoxSideAt(scene, x);
+    end = EndOfPlace(n, corner, k);
+    for (; k < end && corner[k].at < 0; k++) side = s->wet_body[-1 - corner[k].at];
+    if (k == end) continue;
+    for (PetscInt q = k; q < end; q++) {
+      const PetscInt f = corner[q].at / d;
 
-      PetscCall(StrainPointAdd(d, x, 0, box >= 0 ? box : side, points));
-      s->n_corners++;
-      added = PETSC_TRUE;
+      s->corner[corner[q].at] = s->n_corners;
+      if (fluid < 0 || StrainIsStiffer(scene, s->fluid[f], fluid)) fluid = s->fluid[f];
+      if (!s->between[f]) on_level = PETSC_TRUE;
     }
-    s->corner[corner[k].at] = s->n_corners - 1;
+    if (BoxSideAt(scene, &s->x[corner[k].at * d]) >= 0)
+      side = BoxSideAt(scene, &s->x[corner[k].at * d]);
+    PetscCall(StrainPointAdd(d, &s->x[corner[k].at * d], fluid, side, points));
+    s->on_level[s->n_corners++] = on_level;
   }
   PetscCall(PetscFree(corner));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -179,18 +193,18 @@ static PetscBool ShapeOf(PetscInt dim, const PetscReal x[], FacetShape *f)
   return PETSC_TRUE;
 }
 
-/* Computes the derivative of cos(angle) times the area of wet walls by corner v of a facet with the
-   corners x. A wet wall grows along itself, away from the fluid: in 2D by the way of the corner, in
-   3D by half of the edge of the facet on the wall times it. Returns the side of the box, or -1
-   where it is zero. */
-static PetscInt WetSlope(const Scene *scene, const PetscReal x[], const FacetShape *f, PetscInt v,
-                         PetscReal slope[])
+/* Computes the derivative of cos(angle) times the area of wet walls by corner v of a facet of the
+   free surface with the corners x. A wet wall grows along itself, away from the fluid: in 2D by the
+   way of the corner, in 3D by half of the edge of the facet on the wall times it. Returns the side
+   of the box, or -1 where it is zero. */
+static PetscInt WetSlope(const Scene *scene, PetscBool between, const PetscReal x[],
+                         const FacetShape *f, PetscInt v, PetscReal slope[])
 {
   const PetscInt d  = scene->dim;
   PetscInt       on = -1;
 
   for (PetscInt a = 0; a < d; a++) slope[a] = 0.0;
-  for (PetscInt side = 0; side < 2 * d; side++) {
+  for (PetscInt side = 0; side < 2 * d && !between; side++) {
     const PetscReal contact = scene->boundary[side].contact;
     const PetscReal along   = PetscSqrtReal(1.0 - PetscMin(PetscSqr(f->normal[side / 2]), 1.0));
 
@@ -210,34 +224,33 @@ static PetscInt WetSlope(const Scene *scene, const PetscReal x[], const FacetSha
   return on;
 }
 
-/* StrainTension - Adds the forces of the tension of the surface to those of own particles. Not
-   collective. Input/Output: force - component a of particle i at [i dim + a], over sigma
-   [m^(dim-2)]. Output: area - of facets of this rank's box, less cos(angle) times the area of wet
-   walls [m^(dim-1)]. */
+/* StrainTension - Adds the forces of the tension of all surfaces to those of own particles. Not
+   collective. Input/Output: force - component a of particle i at [i dim + a] [N]. Output: energy -
+   of facets of this rank's box, less cos(angle) times that of wet walls [J]. */
 PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const StrainCells *cells,
-                             PetscReal force[], PetscReal *area)
+                             PetscReal force[], PetscReal *energy)
 {
   const StrainSurface *s = &cells->surface;
   const PetscInt       d = p->dim;
 
   PetscFunctionBegin;
-  *area = 0.0;
+  *energy = 0.0;
   for (PetscInt side = 0; side < 2 * d; side++)
-    *area -= scene->boundary[side].contact * s->wet[side];
+    *energy -= scene->tension * scene->boundary[side].contact * s->wet[side];
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
 
-    if (!ShapeOf(d, &s->x[f * d * d], &shape)) continue;
-    if (IsOwn(p, &s->x[f * d * d])) *area += shape.area;
+    if (s->tension[f] == 0.0 || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    if (IsOwn(p, &s->x[f * d * d])) *energy += s->tension[f] * shape.area;
     for (PetscInt v = 0; v < d; v++) {
       const PetscInt k = s->corner[f * d + v];
       PetscReal      wet[ISPH_MAX_DIM];
 
-      (void)WetSlope(scene, &s->x[f * d * d], &shape, v, wet);
+      (void)WetSlope(scene, s->between[f], &s->x[f * d * d], &shape, v, wet);
       for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
         for (PetscInt c = 0; c < d * d && s->motion.j[e] < p->n_fluid; c++)
-          force[d * s->motion.j[e] + c % d] -=
-              s->motion.w[e * d * d + c] * (shape.area * shape.slope[v][c / d] - wet[c / d]);
+          force[d * s->motion.j[e] + c % d] -= s->tension[f] * s->motion.w[e * d * d + c] *
+                                               (shape.area * shape.slope[v][c / d] - wet[c / d]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,15 +260,16 @@ PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const Strai
    step. */
 static void AddFacetOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
                             PetscInt f, const FacetShape *shape, const PetscReal slope[],
-                            PetscReal tension, PetscReal force[])
+                            PetscReal force[])
 {
-  const StrainSurface *s = &cells->surface;
-  const PetscInt       d = p->dim;
+  const StrainSurface *s       = &cells->surface;
+  const PetscReal      tension = s->tension[f];
+  const PetscInt       d       = p->dim;
 
   for (PetscInt v = 0; v < d; v++) {
     const PetscInt k = s->corner[f * d + v], row = (s->first + k) * cells->sets;
     PetscReal      wet[ISPH_MAX_DIM];
-    const PetscInt side = WetSlope(scene, &s->x[f * d * d], shape, v, wet);
+    const PetscInt side = WetSlope(scene, s->between[f], &s->x[f * d * d], shape, v, wet);
     const PetscInt on   = row + (cells->sets == 1 ? 0 : PetscMax(side, 0) / 2);
 
     for (PetscInt a = 0; a < d; a++) {
@@ -277,8 +291,7 @@ static void AddFacetOnWalls(const Scene *scene, const Particles *p, const Strain
    step, by the facets of this rank's box; not collective. Input: value - velocities by local index;
    force - component a on particle j at [j dim + a] [N]. */
 void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCells *cells,
-                          PetscReal *const value[], PetscReal tension, PetscReal dt,
-                          PetscReal force[])
+                          PetscReal *const value[], PetscReal dt, PetscReal force[])
 {
   const StrainSurface *s = &cells->surface;
   const PetscInt       d = p->dim;
@@ -287,7 +300,9 @@ void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCe
     FacetShape shape;
     PetscReal  slope[ISPH_MAX_DIM] = {0.0}; /* of the fluid alone */
 
-    if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    if (s->tension[f] == 0.0 || !IsOwn(p, &s->x[f * d * d]) ||
+        !ShapeOf(d, &s->x[f * d * d], &shape))
+      continue;
     for (PetscInt v = 0; v < d; v++) {
       const PetscInt k       = s->corner[f * d + v];
       PetscReal      through = 0.0;
@@ -298,7 +313,7 @@ void StrainTensionOnWalls(const Scene *scene, const Particles *p, const StrainCe
               dt * s->motion.w[e * d * d + c] * shape.normal[c / d] * value[c % d][s->motion.j[e]];
       for (PetscInt b = 0; b < d; b++) slope[b] += shape.slope[v][b] * through;
     }
-    AddFacetOnWalls(scene, p, cells, f, &shape, slope, tension, force);
+    AddFacetOnWalls(scene, p, cells, f, &shape, slope, force);
   }
 }
 
@@ -328,7 +343,7 @@ static PetscErrorCode CornerVelocities(const Particles *p, const StrainSurface *
 }
 
 /* Creates the matrix of the gradients of u.n along the facets of this rank's box, over components
-   at the corners: int (grad_s u.n) (grad_s v.n) dA. */
+   at the corners: sigma int (grad_s u.n) (grad_s v.n) dA. */
 static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells, Mat *S)
 {
   const StrainSurface *s = &cells->surface;
@@ -343,7 +358,9 @@ static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells,
   for (PetscInt f = 0; f < s->n; f++) {
     FacetShape shape;
 
-    if (!IsOwn(p, &s->x[f * d * d]) || !ShapeOf(d, &s->x[f * d * d], &shape)) continue;
+    if (s->tension[f] == 0.0 || !IsOwn(p, &s->x[f * d * d]) ||
+        !ShapeOf(d, &s->x[f * d * d], &shape))
+      continue;
     for (PetscInt v = 0; v < d * d; v++) {
       const PetscInt  w[] = {v / d, v % d};
       PetscReal       dot = 0.0;
@@ -352,8 +369,9 @@ static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells,
       for (PetscInt a = 0; a < d; a++) dot += shape.slope[w[0]][a] * shape.slope[w[1]][a];
       for (PetscInt a = 0; a < d; a++)
         for (PetscInt b = 0; b < d; b++)
-          PetscCall(MatSetValue(*S, first + d * of[w[0]] + a, first + d * of[w[1]] + b,
-                                shape.area * shape.normal[a] * shape.normal[b] * dot, ADD_VALUES));
+          PetscCall(MatSetValue(
+              *S, first + d * of[w[0]] + a, first + d * of[w[1]] + b,
+              s->tension[f] * shape.area * shape.normal[a] * shape.normal[b] * dot, ADD_VALUES));
     }
   }
   PetscCall(MatAssemblyBegin(*S, MAT_FINAL_ASSEMBLY));
@@ -361,7 +379,8 @@ static PetscErrorCode CornerSlopes(const Particles *p, const StrainCells *cells,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StrainTensionMatrix - Creates K over interlaced components of fluid, see the top; collective */
+/* StrainTensionMatrix - Creates sigma K over interlaced components of fluid, see the top;
+   collective */
 PetscErrorCode StrainTensionMatrix(const Particles *p, const StrainCells *cells, Mat *K)
 {
   Mat Y, S, back, product;

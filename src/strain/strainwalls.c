@@ -37,8 +37,8 @@ static void AddViscous(const Particles *p, const StrainCells *s, PetscReal rho, 
 /*
   StrainForces - Adds the forces of viscosity and tension of own cells on wall particles
 
-  Collective. Input: u - velocity components over the fluid; walls have their present ones; tension
-  - of the free surface [N/m]; dt - of the step that changed it [s]. Input/Output: force - component
+  Collective. Input: u - velocity components over the fluid; walls have their present ones; dt - of
+  the step that changed the surface [s]. Input/Output: force - component
   a on particle j at [j dim + a], by local index [N].
 */
 PetscErrorCode StrainForces(const Scene *scene, const Particles *p, const Vec u[], PetscReal dt,
@@ -55,7 +55,7 @@ PetscErrorCode StrainForces(const Scene *scene, const Particles *p, const Vec u[
   }
   PetscCall(StrainOfValues(p, value, s));
   AddViscous(p, s, scene->rho, force);
-  if (scene->tension > 0.0) StrainTensionOnWalls(scene, p, s, value, scene->tension, dt, force);
+  StrainTensionOnWalls(scene, p, s, value, dt, force);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(value[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -82,10 +82,10 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
   Vec             pressure, viscosity, diagonal;
 
   PetscFunctionBegin;
-  s->n_p = sp->own.size;
+  s->n_p = sp->fluids * sp->own.size;
   PetscCall(SplinesBlocks(flow->particles, sp, &s->G, &s->D));
   if (IsUniform(flow)) {
-    PetscCall(VecDuplicate(sp->mass, &pressure));
+    PetscCall(VecDuplicate(sp->all, &pressure));
     PetscCall(VecSet(pressure, 1.0));
     PetscCall(VecDuplicate(pressure, &viscosity));
     PetscCall(VecCopy(pressure, viscosity));
@@ -96,7 +96,7 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
   PetscCall(VecDestroyAll(&s->pressure, &s->viscosity, &s->mass));
   s->pressure  = pressure;
   s->viscosity = viscosity;
-  PetscCall(VecDuplicate(sp->mass, &s->mass));
+  PetscCall(VecDuplicate(sp->all, &s->mass));
   PetscCall(VecSet(s->mass, 1.0));
   PetscCall(MatDiagonalScale(s->G, momentum, s->pressure));
   PetscCall(MatScale(s->G, dx));
@@ -106,7 +106,7 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
   PetscCall(VecSet(s->constant, 1.0));
   PetscCall(VecZeroEntries(diagonal));
   for (PetscInt k = 0; k < sp->n_unused; k++) {
-    const PetscInt row = sp->own.start + sp->unused[k];
+    const PetscInt row = sp->fluids * sp->own.start + sp->unused[k];
     PetscInt       index[ISPH_MAX_DIM], side;
 
     (void)SplineOwn(sp, sp->unused[k], index);
@@ -115,7 +115,8 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
       PetscCall(VecSetValue(s->constant, row, 2.0, INSERT_VALUES));
   }
   for (PetscInt k = 0; sp->slave && k < s->n_p; k++)
-    if (sp->slave[k]) PetscCall(VecSetValue(diagonal, sp->own.start + k, 1.0, INSERT_VALUES));
+    if (sp->slave[k])
+      PetscCall(VecSetValue(diagonal, sp->fluids * sp->own.start + k, 1.0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(s->constant));
   PetscCall(VecAssemblyEnd(s->constant));
   PetscCall(VecAssemblyBegin(diagonal));

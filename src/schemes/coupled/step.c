@@ -14,7 +14,7 @@
 /* Returns the pressure among the unknowns: that of the splines, or of the particles. */
 static Vec Pressure(const Flow *flow)
 {
-  return flow->scheme->splines ? flow->scheme->splines->p : flow->state->p;
+  return flow->scheme->splines ? flow->scheme->splines->all : flow->state->p;
 }
 
 /* Solves the linear system, or that of the next iteration for a rheology, starting from the present
@@ -249,7 +249,8 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, Pressure(flow)));
   if (sp) {
-    PetscCall(SplineSurfaceFill(sp, sp->p));
+    PetscCall(SplineSurfaceFill(sp, sp->all));
+    PetscCall(SplinesShareOut(sp));
     PetscCall(SplinesSetJumps(flow, s->u_next, sp));
     PetscCall(SplinesSpread(flow, sp));
   } else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
@@ -314,7 +315,7 @@ static PetscErrorCode NoteForce(Coupled *c, PetscReal end)
     PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, c->force[a]));
     PetscCall(VecScale(c->force[a], -1.0 / flow->scene->rho));
   }
-  if (sp) PetscCall(SplinesAccelerate(sp, sp->p, -1.0 / flow->scene->rho, c->force));
+  if (sp) PetscCall(SplinesAccelerate(sp, sp->all, -1.0 / flow->scene->rho, c->force));
   PetscCall(AddBodyForce(flow, end, c->force));
   PetscCall(NoteUnbalancedForce(flow, c->force));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -351,8 +352,9 @@ PetscErrorCode CoupledSolve(Flow *flow)
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
   if (sp) {
     PetscCall(SplinesDivergence(flow, sp, s->u_next, end, sp->b));
-    PetscCall(VecPointwiseDivide(sp->b, sp->b, sp->mass));
-    PetscCall(SplinesValue(sp, sp->b, s->divergence));
+    PetscCall(SplinesSumFluids(sp, sp->b, sp->divergence));
+    PetscCall(VecPointwiseDivide(sp->divergence, sp->divergence, sp->mass));
+    PetscCall(SplinesValue(sp, sp->divergence, s->divergence));
   } else {
     PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   }

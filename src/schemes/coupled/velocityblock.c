@@ -61,7 +61,8 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
     v->name = "splines";
     jacobi = both = PETSC_TRUE;
   }
-  if (flow->ops->cut_surface ? both && scene->dim == 2 : OperatorsCutFluids(scene, flow->ops)) {
+  if (flow->ops->cut_surface && SceneFluids(scene) == 1 ? both && scene->dim == 2
+                                                        : OperatorsCutFluids(scene, flow->ops)) {
     both = PETSC_FALSE;
     PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
   }

@@ -29,11 +29,15 @@ const OptionTable PressurePointsOptions = OPTIONS("Points of the pressure", opti
 static PetscErrorCode DivergenceOnSplines(Flow *flow, const Vec u[], PetscReal *largest)
 {
   Splines *s = flow->scheme->splines;
+  Vec      mean;
 
   PetscFunctionBegin;
   PetscCall(SplinesDivergence(flow, s, u, flow->clock->t + flow->clock->dt, s->b));
-  PetscCall(VecPointwiseDivide(s->b, s->b, s->mass));
-  PetscCall(VecNorm(s->b, NORM_INFINITY, largest));
+  PetscCall(VecDuplicate(s->mass, &mean));
+  PetscCall(SplinesSumFluids(s, s->b, mean));
+  PetscCall(VecPointwiseDivide(mean, mean, s->mass));
+  PetscCall(VecNorm(mean, NORM_INFINITY, largest));
+  PetscCall(VecDestroy(&mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +53,7 @@ static PetscErrorCode PressureOnSplines(const Flow *flow, const PetscReal x[], P
 static PetscErrorCode PressOnWalls(const Flow *flow, PetscReal force[])
 {
   PetscFunctionBegin;
-  PetscCall(SplinesPressOnWalls(flow->scheme->splines, flow->scheme->splines->p, force));
+  PetscCall(SplinesPressOnWalls(flow->scheme->splines, flow->scheme->splines->all, force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
