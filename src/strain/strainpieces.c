@@ -1,6 +1,6 @@
-/* The pieces of the fluid, or of one of several: strain cells that touch by their sides. A piece has
-   the least id of its particles as its name, which is the same on all ranks and goes from rank to
-   rank by the halo. */
+/* The pieces of the fluid, or of one of several: strain cells that touch by their sides. A piece
+   has the least id of its particles as its name, which is the same on all ranks and goes from rank
+   to rank by the halo. */
 #include "strain.h"
 
 /* Returns the root of a cell in a forest of cells that touch. */
