@@ -56,7 +56,7 @@ HEAT = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-viscosity", "1", 
 MIXTURE = ["-case", "scene", "-scene_symmetry", "left,right", "-viscosity", "0.1", "-body_force", "0,-1",
            "-scene_fluid_1", "circle,0.5,0.4,0.2", "-scene_fluid_1_density", "0.1", "-scene_fluid_1_tension", "0.1"]
 SINKING = ["-case", "scene", "-scene_box", "0,0,1,1.5", "-scene_filled_1", "box,0,0,1,1", "-viscosity", "0.02", "-body_force", "0,-1",
-           "-scene_fluid_1", "circle,0.5,0.6,0.2", "-scene_fluid_1_density", "2", "-scene_fluid_1_tension", "0.02", "-surface_tension", "0.02",
+           "-scene_fluid_1", "circle,0.5,0.6,0.2", "-scene_fluid_1_density", "2", "-surface_tension", "0.02",
            "-visc_laplacian", "weak_stress", "-scheme", "coupled", "-speed", "0.2"]
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 IMPACT = ["-n", "16", "-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",

@@ -17,7 +17,7 @@
 #define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
 #define LINEAR_LEAST   0.3   /* of splines across thin layers */
 
-/* Returns true if a cell is one of the fluid with the splines f. */
+/* Returns true if a cell is in the fluid with the splines f. */
 static PetscBool IsOf(const Splines *s, const StrainCells *cells, PetscInt c, PetscInt f)
 {
   return s->fluids == 1 || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
@@ -134,7 +134,7 @@ static PetscBool AreSpread(PetscInt dim, const SplineSlave *s)
 }
 
 /* Adds splines to those with enough fluid where none is near: those with the most around. Layers
-   with one row of them get another: a pressure that is constant across them holds no weight. */
+   with a single row of them get another: a pressure that is constant across them holds no weight. */
 static void AddLocal(const SplineLattice *l, const PetscReal share[], const PetscInt piece[],
                      PetscBool enough[], PetscBool add[])
 {

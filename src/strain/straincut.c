@@ -19,7 +19,7 @@ static void SetWhole(PetscInt dim, const PetscReal lo[], const PetscReal edge[],
    edge that begins there. */
 typedef struct {
   PetscReal x[2], d[2]; /* from the surface, from the interface [m] */
-  PetscInt  edge;       /* side of the cell, or one of the next */
+  PetscInt  edge;       /* side of the cell, or a surface */
 } Vertex;
 
 enum { EDGE_SURFACE = 4, EDGE_INTERFACE };

@@ -1,6 +1,6 @@
-/* The pieces of the fluid, or of one of several: strain cells that touch by their sides. A piece
-   has the least id of its particles as its name, which is the same on all ranks and goes from rank
-   to rank by the halo. */
+/* The pieces of the fluid, or of a fluid: strain cells that touch by their sides. A piece has the
+   least id of its particles as its name, which is the same on all ranks and goes from rank to rank
+   by the halo. */
 #include "strain.h"
 
 /* Returns the root of a cell in a forest of cells that touch. */
@@ -50,7 +50,7 @@ static void Join(const Scene *scene, const StrainCells *s, PetscInt fluid, Petsc
 }
 
 /* StrainPieces - Computes the name of the piece of a fluid of each cell, -1 without its particles.
-   Collective. Input: fluid - of the pieces; -1: all fluids are one. Output: piece - by cell. */
+   Collective. Input: fluid - of the pieces; -1: of all together. Output: piece - by cell. */
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const StrainCells *s,
                             PetscInt fluid, PetscInt piece[])
 {
