@@ -134,7 +134,8 @@ static PetscBool AreSpread(PetscInt dim, const SplineSlave *s)
 }
 
 /* Adds splines to those with enough fluid where none is near: those with the most around. Layers
-   with a single row of them get another: a pressure that is constant across them holds no weight. */
+   with a single row of them get another: a pressure that is constant across them holds no
+   weight. */
 static void AddLocal(const SplineLattice *l, const PetscReal share[], const PetscInt piece[],
                      PetscBool enough[], PetscBool add[])
 {
