@@ -249,20 +249,16 @@ static PetscErrorCode RefuseAngles(const Scene *scene, const OperatorForms *form
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses fluids of several densities below a free surface without cells, and tension between them:
-   the planes that particles carry move otherwise than facets do, and the flow is lost in noise. */
-static PetscErrorCode RefuseMixtures(const Scene *scene, const OperatorForms *forms)
+/* Refuses a tension between fluids below a free surface: the planes that particles carry move
+   otherwise than facets do, and the flow is lost in noise. */
+static PetscErrorCode RefuseTension(const Scene *scene)
 {
   PetscFunctionBegin;
-  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < scene->n_regions; k++)
+  for (PetscInt k = 0; k < scene->n_regions && SceneHasFreeSurface(scene); k++)
     UserCheck(scene->region_tension[k] == 0.0,
               "-scene_fluid_%" PetscInt_FMT "_tension: interfaces have no tension below a free "
               "surface; let a fluid of small density fill the box",
               k + 1);
-  UserCheck(!SceneMixes(scene) || (forms->visc.row && forms->visc.row->weak),
-            "-scene_fluid_1_density: fluids of several densities have a free surface with "
-            "-visc_laplacian weak_stress only, or let a fluid of small density fill the box");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -272,7 +268,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
   PetscFunctionBegin;
   forms->surface_degree = 2;
   PetscCall(RefuseAngles(scene, forms));
-  PetscCall(RefuseMixtures(scene, forms));
+  PetscCall(RefuseTension(scene));
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   if (forms->visc.row && forms->visc.row->weak) {
     UserCheck(!CutSurfaceFault(scene),

@@ -103,8 +103,10 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
   UserCheck(!(*chosen)->coarse || !CoarseFault(scene), "-pressure_points coarse: %s",
             CoarseFault(scene));
   UserCheck((*chosen)->coarse || !SceneMixes(scene),
-            "-pressure_points same: it has one density, and no tension of interfaces; use coarse, "
-            "with a box at least 6 dx wide");
+            "-pressure_points same: it has one density, and no tension of interfaces; %s",
+            SceneHasFreeSurface(scene)
+                ? "below a free surface use -visc_laplacian weak_stress and -scheme coupled"
+                : "use coarse, with a box at least 6 dx wide");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
