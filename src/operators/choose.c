@@ -231,7 +231,6 @@ static const char *CutSurfaceFault(const Scene *scene)
 {
   if (!SceneMoves(scene)) return "moving particles only";
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) return "no outflow";
-  if (SceneFluids(scene) > 1 && scene->dim == 3) return "several fluids in 2D only";
   return NULL;
 }
 

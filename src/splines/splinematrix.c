@@ -377,12 +377,13 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
   PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_FALSE, &T[0]));
   if (flow->ops->forms.wall) PetscCall(CellDivergenceMat(p, s, cells, n, PETSC_TRUE, &T[1]));
   if (ops->cut_surface) {
-    Mat of[SCENE_MAX_FLUIDS + 1] = {NULL};
+    const PetscInt sets                     = s->fluids == 1 ? 1 : s->fluids + 1;
+    Mat            of[SCENE_MAX_FLUIDS + 2] = {NULL};
 
-    for (PetscInt f = 0; f < s->fluids; f++)
-      PetscCall(CellSplinesMat(p, s, cells, n, s->fluids == 1 ? -1 : f, &of[f]));
+    for (PetscInt f = 0; f < sets; f++)
+      PetscCall(CellSplinesMat(p, s, cells, n, f == sets - 1 ? -1 : f, &of[f]));
     PetscCall(SplineSurfaceRows(flow, n, of, T, s));
-    for (PetscInt f = 0; f < s->fluids; f++) PetscCall(MatDestroy(&of[f]));
+    for (PetscInt f = 0; f < sets; f++) PetscCall(MatDestroy(&of[f]));
     PetscCall(SplineSurfaceTension(flow));
     PetscCall(SplinesShareOut(s));
   } else {

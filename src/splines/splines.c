@@ -239,7 +239,7 @@ PetscErrorCode SplinesCutFree(Splines *s)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
-  PetscCall(MatDestroyAll(&s->surface, &s->values, &s->slopes));
+  PetscCall(MatDestroyAll(&s->joint, &s->surface, &s->values, &s->slopes));
   PetscCall(PetscFree(s->slave));
   PetscCall(VecDestroy(&s->cut_gradient));
   for (PetscInt f = 0; f < s->n_jumps; f++) {

@@ -251,9 +251,10 @@ struct Splines {
   Mat        cut[3]; /* G, D and D_w from strain cells, beside interfaces; NULL: not used */
   Mat        values; /* P E: splines -> own fluid; NULL: not needed */
   Mat        slopes; /* stiffness of velocities on splines; NULL: not needed [1/m^2] */
-  Mat        surface;      /* E of splinesurface.c; NULL: no free surface */
-  PetscBool *slave;        /* own splines that are no unknowns there, of each fluid */
-  PetscInt   fluids;       /* fluids with splines of their own, below a free surface; else 1 */
+  Mat        surface; /* E of splinesurface.c; NULL: no free surface */
+  PetscBool *slave;   /* own splines that are no unknowns there, of each fluid */
+  PetscInt   fluids;  /* fluids with splines of their own, below a free surface; else 1 */
+  Mat        joint;   /* M of the splines of velocities, which all fluids share; NULL: M itself */
   Vec        cut_gradient; /* work: at particles */
   PetscInt   n_jumps;      /* fluids in which the pressure differs by a jump; 0: none */
   Mat (*jump)[2];          /* their jumps over fluid and walls, negative, over the density [m/s] */

@@ -17,10 +17,10 @@
 #define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
 #define LINEAR_LEAST   0.3   /* of splines across thin layers */
 
-/* Returns true if a cell is in the fluid with the splines f. */
+/* Returns true if a cell is in the fluid with the splines f; those past all fluids are of all. */
 static PetscBool IsOf(const Splines *s, const StrainCells *cells, PetscInt c, PetscInt f)
 {
-  return s->fluids == 1 || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
+  return s->fluids == 1 || f == s->fluids || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Computes the parts of the splines that are in fluid f, or in solids if it is negative, over a
@@ -93,7 +93,7 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(cells->n, &of_cell, l->N, &nearest));
-  PetscCall(StrainPieces(l->scene, p, cells, s->fluids == 1 ? -1 : f, of_cell));
+  PetscCall(StrainPieces(l->scene, p, cells, s->fluids == 1 || f == s->fluids ? -1 : f, of_cell));
   for (PetscInt q = 0; q < l->N; q++) {
     nearest[q].far   = PETSC_MAX_REAL;
     nearest[q].piece = -1;
@@ -236,16 +236,17 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->surface));
   PetscCall(PetscFree(s->slave));
-  PetscCall(PetscCalloc1(s->fluids * s->own.size, &s->slave));
+  PetscCall(PetscCalloc1((s->fluids + 1) * s->own.size, &s->slave));
   for (PetscInt f = 0; f < s->fluids; f++) PetscCall(ExtendFluid(p, cells, f, s, &E[f]));
   PetscCall(JoinFluids(s, PETSC_TRUE, E, &s->surface));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the equation q = 0 of splines that are no unknowns to a matrix. */
-static PetscErrorCode UnusedRows(const Splines *s, Mat A)
+/* Adds the equation q = 0 of splines that are no unknowns, by flags, to a matrix over the splines of
+   several fluids. */
+static PetscErrorCode UnusedRows(const Splines *s, PetscInt fluids, const PetscBool slave[], Mat A)
 {
-  const PetscInt     n = s->fluids * s->own.size;
+  const PetscInt     n = fluids * s->own.size;
   const PetscScalar *value;
   Vec                diagonal;
   Mat                rest; /* an entry set in A itself would move all that follow it */
@@ -257,12 +258,12 @@ static PetscErrorCode UnusedRows(const Splines *s, Mat A)
                          NULL, 0, NULL, &rest));
   PetscCall(VecGetArrayRead(diagonal, &value));
   for (PetscInt k = 0; k < n; k++) {
-    const PetscInt row = s->fluids * s->own.start + k;
+    const PetscInt row = fluids * s->own.start + k;
 
-    if (s->slave[k]) PetscCall(MatSetValue(rest, row, row, 1.0 - value[k], INSERT_VALUES));
+    if (slave[k]) PetscCall(MatSetValue(rest, row, row, 1.0 - value[k], INSERT_VALUES));
   }
   for (PetscInt k = 0; k < s->n_unused; k++) {
-    const PetscInt own = s->unused[k], row = s->fluids * s->own.start + own;
+    const PetscInt own = s->unused[k], row = fluids * s->own.start + own;
 
     PetscCall(MatSetValue(rest, row, row, 1.0 - value[own], INSERT_VALUES));
   }
@@ -276,18 +277,18 @@ static PetscErrorCode UnusedRows(const Splines *s, Mat A)
 
 /* Sets the products of extended splines to their integrals over the cells, E^T P^T V P E. Input:
    all - values of the splines of each fluid in its cells. */
-static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Splines *s)
+static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Mat E, Vec volume,
+                                     const Splines *s, Mat *M)
 {
   Mat extended, weighted;
 
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&s->M));
-  PetscCall(SplineProductMat(all, s->surface, &extended));
+  PetscCall(MatDestroy(M));
+  PetscCall(SplineProductMat(all, E, &extended));
   PetscCall(MatDuplicate(extended, MAT_COPY_VALUES, &weighted));
   PetscCall(MatDiagonalScale(weighted, volume, NULL));
   PetscCall(MatScale(weighted, PetscPowReal(s->scale, -(PetscReal)p->dim)));
-  PetscCall(SplineGathered(extended, weighted, &s->M));
-  PetscCall(UnusedRows(s, s->M));
+  PetscCall(SplineGathered(extended, weighted, M));
   PetscCall(MatDestroyAll(&extended, &weighted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -296,7 +297,7 @@ static PetscErrorCode ExtendProducts(const Particles *p, Mat all, Vec volume, Sp
    walls: the gradient in cell c of a velocity with the values psi_q(x_i) at fluid, and 0 at walls,
    is about grad psi_q(x_c) + psi_q(x_c) sum_i g_ci. */
 static PetscErrorCode CellSlopesMat(const Particles *p, const Splines *s, const StrainCells *cells,
-                                    PetscInt n, PetscInt a, Mat *B)
+                                    PetscInt n, PetscInt a, Mat E, Mat *B)
 {
   PetscInt  row, *width;
   PetscReal x[ISPH_MAX_DIM];
@@ -321,7 +322,7 @@ static PetscErrorCode CellSlopesMat(const Particles *p, const Splines *s, const 
     row++;
   }
   PetscCall(SplineMatFinish(slopes));
-  PetscCall(SplineProductMat(slopes, s->surface, B));
+  PetscCall(SplineProductMat(slopes, E, B));
   PetscCall(MatDestroy(&slopes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -329,7 +330,7 @@ static PetscErrorCode CellSlopesMat(const Particles *p, const Splines *s, const 
 /* Computes the values of extended splines at own fluid, and the stiffness of velocities on them,
    sum_c V_c nu_c/nu_0 grad psi . grad psi over the volume of a cell [1/m^2]. */
 static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p,
-                                          const StrainCells *cells, PetscInt n, Vec volume,
+                                          const StrainCells *cells, PetscInt n, Mat E, Vec volume,
                                           Splines *s)
 {
   PetscScalar *weight;
@@ -351,7 +352,7 @@ static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p
     PetscCall(MatSetValues(values, 1, &p->row[i], at.n, at.number, at.value, ADD_VALUES));
   }
   PetscCall(SplineMatFinish(values));
-  PetscCall(SplineProductMat(values, s->surface, &s->values));
+  PetscCall(SplineProductMat(values, E, &s->values));
   PetscCall(MatDestroy(&values));
   PetscCall(VecDuplicate(volume, &factor));
   PetscCall(VecCopy(volume, factor));
@@ -361,7 +362,7 @@ static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p
   PetscCall(VecRestoreArray(factor, &weight));
   PetscCall(VecScale(factor, PetscPowReal(s->scale, -(PetscReal)p->dim)));
   for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(CellSlopesMat(p, s, cells, n, a, &B));
+    PetscCall(CellSlopesMat(p, s, cells, n, a, E, &B));
     PetscCall(MatDuplicate(B, MAT_COPY_VALUES, &weighted));
     PetscCall(MatDiagonalScale(weighted, factor, NULL));
     PetscCall(SplineGathered(B, weighted, a ? &part : &s->slopes));
@@ -382,14 +383,33 @@ PetscErrorCode SplineSurfaceStiffness(Splines *s)
   PetscCall(MatDestroy(&s->K));
   PetscCall(SplineProductMat(s->cut[1], s->cut[0], &s->K));
   PetscCall(MatScale(s->K, -PetscSqr(s->scale)));
-  PetscCall(UnusedRows(s, s->K));
+  PetscCall(UnusedRows(s, s->fluids, s->slave, s->K));
   s->products++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes data of the preconditioner of velocities, whose splines all fluids share. Input: all -
+   values of splines in own cells. */
+static PetscErrorCode JoinVelocities(const Flow *flow, PetscInt n, Mat all, Vec volume, Splines *s)
+{
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+  Mat                E     = s->surface;
+
+  PetscFunctionBegin;
+  if (s->fluids > 1) {
+    PetscCall(ExtendFluid(p, cells, s->fluids, s, &E));
+    PetscCall(ExtendProducts(p, all, E, volume, s, &s->joint));
+    PetscCall(UnusedRows(s, 1, s->slave + s->fluids * s->own.size, s->joint));
+  }
+  PetscCall(VelocitiesOnSplines(flow->scene, p, cells, n, E, volume, s));
+  if (s->fluids > 1) PetscCall(MatDestroy(&E));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* SplineSurfaceRows - Computes the rows of the divergence of the splines of each fluid at the free
    surface, E^T D, and data of preconditioners; collective. Input: n - own cells; of_fluid - values
-   of splines in the cells of each; T - V_c div u by velocities of fluid and walls. */
+   of splines in the cells of each, and in all; T - V_c div u by velocities of fluid and walls. */
 PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_fluid[], const Mat T[2],
                                  Splines *s)
 {
@@ -414,10 +434,13 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
     PetscCall(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, &all));
     PetscCall(MatDestroy(&D));
   }
-  if (s->has_products) PetscCall(ExtendProducts(p, all, volume, s));
+  if (s->has_products) {
+    PetscCall(ExtendProducts(p, all, s->surface, volume, s, &s->M));
+    PetscCall(UnusedRows(s, s->fluids, s->slave, s->M));
+  }
   if (s->fluids > 1) PetscCall(MatDestroy(&all));
   if (s->has_products && p->dim == 3)
-    PetscCall(VelocitiesOnSplines(flow->scene, p, cells, n, volume, s));
+    PetscCall(JoinVelocities(flow, n, of_fluid[s->fluids == 1 ? 0 : s->fluids], volume, s));
   PetscCall(VecDestroy(&volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,8 +61,8 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
     v->name = "splines";
     jacobi = both = PETSC_TRUE;
   }
-  if (flow->ops->cut_surface && SceneFluids(scene) == 1 ? both && scene->dim == 2
-                                                        : OperatorsCutFluids(scene, flow->ops)) {
+  if (flow->ops->cut_surface ? scene->dim == 2 && (both || SceneFluids(scene) > 1)
+                             : OperatorsCutFluids(scene, flow->ops)) {
     both = PETSC_FALSE;
     PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
   }
@@ -136,7 +136,8 @@ static PetscErrorCode CreateOnSplines(const Saddle *s, const Flow *flow, Mat *A)
   const PetscReal cell = PetscPowReal(sp->scale, (PetscReal)s->dim);
 
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(sp->M, MAT_COPY_VALUES, A)); /* splines that are no unknowns have 1 */
+  PetscCall(MatDuplicate(sp->joint ? sp->joint : sp->M, MAT_COPY_VALUES,
+                         A)); /* splines that are no unknowns have 1 */
   PetscCall(MatScale(*A, s->shift));
   PetscCall(MatAXPY(*A, s->nu, sp->slopes, DIFFERENT_NONZERO_PATTERN));
   PetscCall(MatScale(*A, s->step * cell / flow->particles->cell_volume));
@@ -204,7 +205,7 @@ static PetscErrorCode RenewVectors(const Saddle *s, VelocityBlock *v)
   PetscCall(FreeVectors(v));
   PetscCall(VecDuplicate(s->time, &v->from));
   PetscCall(VecDuplicate(s->time, &v->to));
-  if (v->on_splines) PetscCall(MatCreateVecs(v->flow->scheme->splines->M, &v->sums, &v->part));
+  if (v->on_splines) PetscCall(MatCreateVecs(v->flow->scheme->splines->slopes, &v->sums, &v->part));
   if (v->on_splines || !v->cycle || s->component) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(s->F, NULL, &v->residual));
   PetscCall(VecDuplicate(s->pressure, &v->pressure));
