@@ -242,8 +242,8 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the equation q = 0 of splines that are no unknowns, by flags, to a matrix over the splines of
-   several fluids. */
+/* Adds the equation q = 0 of splines that are no unknowns, by flags, to a matrix over the splines
+   of several fluids. */
 static PetscErrorCode UnusedRows(const Splines *s, PetscInt fluids, const PetscBool slave[], Mat A)
 {
   const PetscInt     n = fluids * s->own.size;
