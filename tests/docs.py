@@ -277,13 +277,15 @@ def limits(write):
 # ---- commands ----
 
 SHORT = """#!/usr/bin/env bash
-# isph for a short variant: two steps, four after a restart; no progress, no tolerances; a small patch.
-last=2 keep=() skip= small=
+# isph for a short variant: a step, two after a restart; half of -n above 23; no progress, no tolerances; a small patch.
+last=1 keep=() skip= small= before=
 for word in "$@"; do
   if [ "$skip" ]; then skip=; continue; fi
+  if [[ $before == -n && $word =~ ^[0-9]+$ && $word -gt 23 ]]; then word=$((word / 2)); fi
+  before=$word
   case $word in
     -check_*) skip=1; continue ;;
-    -restart) last=4 ;;
+    -restart) last=2 ;;
     -catalogue|-help|--help|-h|-version|--version|-options_reference|patch|options/patch.opts) last= ;;
   esac
   [ "$word" != options/patch.opts ] || small="-n 16"
@@ -298,12 +300,15 @@ exec @ISPH@ "$@"
 """
 
 STUDY = """#!/usr/bin/env bash
-# isph-study; for a short variant with the first two values of each --vary and --n, and half of --reference.
+# isph-study; for a short variant with the first two values of each --vary, half of the first two of --n, and half of --reference.
 words=() last=
 for word in "$@"; do
   if [ @SHORT@ ] && [[ $last == --reference ]]; then word=$((word / 2)); fi
   if [ @SHORT@ ] && [[ $last =~ ^--(vary|n)$ ]]; then
     word=$(sed -E 's/^([a-z_]+=[0-9]+)[.][.][0-9]+$/\\1..2/; s/^([^,]*,[^,]*),.*/\\1/' <<<"$word")
+  fi
+  if [ @SHORT@ ] && [[ $last == --n && $word =~ ^([0-9]+),([0-9]+)$ ]]; then
+    word=$((BASH_REMATCH[1] / 2)),$((BASH_REMATCH[2] / 2))
   fi
   last=$word
   words+=("$word")

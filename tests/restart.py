@@ -112,9 +112,9 @@ def kill(isph):
         again = ["-restart", "c.h5"] if os.path.exists("killed/c.h5") else []
         process = start([isph, *BASE, *FILES, *again, "-report", "r.csv"], "killed")
         try:
-            error = process.communicate(timeout=None if kills == 12 else random.uniform(0, 0.6 * length))[1]
+            error = process.communicate(timeout=None if kills == 6 else random.uniform(0, 0.6 * length))[1]
             assert process.returncode == 0, error
-            if kills == 12:
+            if kills == 6:
                 break
             for path in glob.glob("killed/*"):  # the run finished: start again
                 os.remove(path)
