@@ -77,6 +77,8 @@ typedef struct {
   PetscBool   *on_level;         /* a corner is on the free surface, not on interfaces only */
   StrainRows   rows;             /* of the velocity at points: `sets` of each */
   StrainBlocks motion;           /* of the velocity of corners, see strainmotion.c */
+  PetscReal   *depth;            /* of corners, of the layer below that the level feels [m] */
+  StrainBlocks layer;            /* corners of cells, each with its weight and its place */
 } StrainSurface;
 
 typedef struct StrainCells StrainCells;

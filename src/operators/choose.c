@@ -226,12 +226,24 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns what a free surface of strain cells lacks in a scene; NULL: nothing. */
-static const char *CutSurfaceFault(const Scene *scene)
+/* Refuses pressures of outflows other than that outside the surface of strain cells, which end at
+   outflows without traction. */
+static PetscErrorCode RefuseOutflows(const Scene *scene, const OperatorForms *forms)
 {
-  if (!SceneMoves(scene)) return "moving particles only";
-  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) return "no outflow";
-  return NULL;
+  const PetscReal origin[ISPH_MAX_DIM] = {0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const Expression *pressure = &scene->boundary[side].pressure;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) continue;
+    UserCheck(!ExpressionUses(pressure, ~0u) &&
+                  ExpressionValue(pressure, 0, 0.0, origin) == scene->outside,
+              "-scene_outflow_%s_pressure: with a free surface and -visc_laplacian %s it must be "
+              "that outside, -surface_pressure %g",
+              BoxSides[side], forms->visc.row->name, (double)scene->outside);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses contact angles of surfaces that have none. */
@@ -270,9 +282,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
   PetscCall(RefuseTension(scene));
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   if (forms->visc.row && forms->visc.row->weak) {
-    UserCheck(!CutSurfaceFault(scene),
-              "-visc_laplacian %s: with a free surface it has %s; use mls or pairwise_stress",
-              forms->visc.row->name, CutSurfaceFault(scene));
+    PetscCall(RefuseOutflows(scene, forms));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (scene->dim == 2)

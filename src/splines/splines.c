@@ -223,6 +223,29 @@ PetscErrorCode SplinesSumFluids(const Splines *s, Vec all, Vec sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplineLayerSet - Sets the numbers of the layers in those of all splines, to their stress and
+   `base`; not collective */
+PetscErrorCode SplineLayerSet(const Splines *s, PetscReal base, Vec all)
+{
+  const PetscScalar *layer;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  if (!s->layer) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(s->layer, &layer));
+  PetscCall(VecGetArray(all, &to));
+  for (PetscInt k = 0; k < s->fluids * s->own.size; k++) {
+    PetscInt index[ISPH_MAX_DIM];
+
+    if (!SplineOwn(s, k % s->own.size, index)) continue;
+    if (s->layered[k / s->own.size * s->lattice.N + SplineNatural(&s->lattice, index)])
+      to[k] = base + layer[k];
+  }
+  PetscCall(VecRestoreArray(all, &to));
+  PetscCall(VecRestoreArrayRead(s->layer, &layer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplinesExcess - Creates the vector of a pressure less that outside a free surface, whose force is
    that of the fluid's cells; collective */
 PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess)
@@ -231,6 +254,7 @@ PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess)
   PetscCall(VecDuplicate(p, excess));
   PetscCall(VecCopy(p, *excess));
   if (s->surface) PetscCall(VecShift(*excess, -s->lattice.scene->level));
+  if (s->surface) PetscCall(SplineLayerSet(s, 0.0, *excess));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -241,6 +265,8 @@ PetscErrorCode SplinesCutFree(Splines *s)
   for (PetscInt k = 0; k < 3; k++) PetscCall(MatDestroy(&s->cut[k]));
   PetscCall(MatDestroyAll(&s->joint, &s->surface, &s->values, &s->slopes));
   PetscCall(PetscFree(s->slave));
+  PetscCall(PetscFree(s->layered));
+  PetscCall(VecDestroy(&s->layer));
   PetscCall(VecDestroy(&s->cut_gradient));
   for (PetscInt f = 0; f < s->n_jumps; f++) {
     PetscCall(MatDestroyAll(&s->jump[f][0], &s->jump[f][1]));

@@ -253,6 +253,8 @@ struct Splines {
   Mat        slopes; /* stiffness of velocities on splines; NULL: not needed [1/m^2] */
   Mat        surface; /* E of splinesurface.c; NULL: no free surface */
   PetscBool *slave;   /* own splines that are no unknowns there, of each fluid */
+  PetscBool *layered; /* splines of each fluid, in the order of the lattice: unknowns of layers */
+  Vec        layer;   /* stress of the layers, at the numbers of splines [Pa] */
   PetscInt   fluids;  /* fluids with splines of their own, below a free surface; else 1 */
   Mat        joint;   /* M of the splines of velocities, which all fluids share; NULL: M itself */
   Vec        cut_gradient; /* work: at particles */
@@ -406,6 +408,7 @@ PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, M
 PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplinesCutFree(Splines *s);
 PetscErrorCode SplinesOfVelocity(const Flow *flow, const Mat D[2], const Vec u[], Vec d);
+PetscErrorCode SplineLayerSet(const Splines *s, PetscReal base, Vec all);
 PetscErrorCode SplinesExcess(const Splines *s, Vec p, Vec *excess);
 PetscErrorCode SplinesPressOnWalls(const Splines *s, Vec p, PetscReal force[]);
 PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
@@ -418,7 +421,7 @@ PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells
 PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_fluid[], const Mat T[2],
                                  Splines *s);
 PetscErrorCode SplineSurfaceStiffness(Splines *s);
-PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p);
+PetscErrorCode SplineSurfaceFill(Splines *s, Vec p);
 PetscErrorCode SplineSurfaceTension(Flow *flow);
 
 /* splinemixture.c */

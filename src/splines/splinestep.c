@@ -13,6 +13,8 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
 {
   PetscFunctionBegin;
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
+  for (PetscInt side = 0; side < 2 * scene->dim && s->in_cells; side++)
+    s->lattice.given[side] = PETSC_FALSE; /* cells end there without traction */
   if (!s->in_cells) PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
   PetscCall(SplineExtensionCreate(&s->lattice, s->bodies, &s->extension));
   s->pressure = s->lattice;

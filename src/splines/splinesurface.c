@@ -5,7 +5,8 @@
   has splines of its own, which end at its interfaces as at the surface: the pressure jumps there,
   and its gradient follows the density. So the divergence of the others is E^T D, and the gradient
   remains the adjoint. In films and fragments that have no such block the splines with the most
-  fluid are unknowns.
+  fluid are unknowns. Of the others those nearest to the surface have the normal stress of the
+  layer that its level feels, whose divergence vanishes too: docs/developers/theory.md, (564).
 
   Source: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */
@@ -16,6 +17,9 @@
 #define SOLID_ENOUGH   0.027 /* in the fluid, as of the spline in the corner of a box */
 #define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
 #define LINEAR_LEAST   0.3   /* of splines across thin layers */
+#define LAYER_SHARE    0.3   /* least share in the fluid of splines of the layer: one in a column */
+#define LAYER_LEAST    0.05  /* least integral of such a spline in it, over the volume of a cell */
+#define LAYER_PRODUCTS 2.0   /* of its integrals, in the preconditioner: least iterations */
 
 /* Returns true if a cell is in the fluid with the splines f; those past all fluids are of all. */
 static PetscBool IsOf(const Splines *s, const StrainCells *cells, PetscInt c, PetscInt f)
@@ -50,20 +54,15 @@ static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the share of fluid f in all splines, or of solids if it is negative, by their number in
-   the order of the lattice. */
-static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainCells *cells,
-                             PetscInt f, PetscReal share[])
+/* Collects a number of each spline in the order of the lattice. */
+static PetscErrorCode CollectAll(const Particles *p, const Splines *s, Vec own, PetscReal to[])
 {
   const SplineLattice *l = &s->lattice;
   const PetscScalar   *from;
   VecScatter           collect;
-  Vec                  own, all;
+  Vec                  all;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(s->mass, &own));
-  PetscCall(Parts(p, s, cells, f, own));
-  PetscCall(VecPointwiseDivide(own, own, s->mass));
   PetscCall(VecScatterCreateToAll(own, &collect, &all));
   PetscCall(VecScatterBegin(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecScatterEnd(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
@@ -72,11 +71,27 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
     PetscInt index[ISPH_MAX_DIM];
 
     SplineIndex(l->dim, NULL, l->count, q, index);
-    share[q] = PetscRealPart(from[SplinesGlobal(s, p, index)]);
+    to[q] = PetscRealPart(from[SplinesGlobal(s, p, index)]);
   }
   PetscCall(VecRestoreArrayRead(all, &from));
   PetscCall(VecScatterDestroy(&collect));
-  PetscCall(VecDestroyAll(&own, &all));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the share of fluid f in all splines, or of solids if it is negative, by their number in
+   the order of the lattice. */
+static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainCells *cells,
+                             PetscInt f, PetscReal share[])
+{
+  Vec own;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->mass, &own));
+  PetscCall(Parts(p, s, cells, f, own));
+  PetscCall(VecPointwiseDivide(own, own, s->mass));
+  PetscCall(CollectAll(p, s, own, share));
+  PetscCall(VecDestroy(&own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,6 +179,115 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], const Pets
   for (PetscInt q = 0; q < l->N; q++) enough[q] = enough[q] || add[q];
 }
 
+/* Returns the corners of the layer of fluid f in a cell if it is an own one. */
+static PetscInt LayerCorners(const Particles *p, const Splines *s, const StrainCells *cells,
+                             PetscInt f, PetscInt c)
+{
+  const StrainBlocks *layer = &cells->surface.layer;
+  PetscReal           x[ISPH_MAX_DIM];
+
+  if (!IsOf(s, cells, c, f) || !SplineHasCell(p, cells, c, x)) return 0;
+  return layer->start[c + 1] - layer->start[c];
+}
+
+/* Assembles the splines of the layer of fluid f at its corners in own cells, and the parts of their
+   cells in it over the volume of a cell of the splines. */
+static PetscErrorCode LayerMat(const Particles *p, const Splines *s, const StrainCells *cells,
+                               PetscInt f, Mat *V, Vec *part)
+{
+  const StrainBlocks *layer = &cells->surface.layer;
+  const PetscReal     cell  = PetscPowReal(s->scale, (PetscReal)p->dim);
+  PetscInt            n     = 0, row, *width;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < cells->n; c++) n += LayerCorners(p, s, cells, f, c);
+  PetscCall(PetscMalloc1(n, &width));
+  for (PetscInt k = 0; k < n; k++) width[k] = SplinesAtPoint(&s->lattice);
+  PetscCall(SplineMat(p->comm, n, s->own.size, width, V));
+  PetscCall(PetscFree(width));
+  PetscCall(MatCreateVecs(*V, NULL, part));
+  PetscCall(MatGetOwnershipRange(*V, &row, NULL));
+  for (PetscInt c = 0; c < cells->n; c++)
+    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, row++) {
+      const PetscReal *of = &layer->w[(layer->start[c] + k) * layer->size];
+      SplineValues     at;
+
+      SplinesAt(&s->lattice, of + 1, &at);
+      for (PetscInt q = 0; q < at.n; q++)
+        if (s->layered[f * s->lattice.N + SplineNatural(&s->lattice, at.index[q])])
+          PetscCall(
+              MatSetValue(*V, row, SplinesGlobal(s, p, at.index[q]), at.value[q], ADD_VALUES));
+      PetscCall(VecSetValue(*part, row, cells->volume[c] / cell * of[0], INSERT_VALUES));
+    }
+  PetscCall(SplineMatFinish(*V));
+  PetscCall(VecAssemblyBegin(*part));
+  PetscCall(VecAssemblyEnd(*part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles the divergence of the cells of these corners: interlaced components over fluid, or over
+   walls. */
+static PetscErrorCode LayerDivergence(const Particles *p, const Splines *s,
+                                      const StrainCells *cells, PetscInt f, PetscBool walls, Mat *T)
+{
+  const PetscInt d = p->dim;
+  PetscInt       n = 0, row, *width;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < cells->n; c++) n += LayerCorners(p, s, cells, f, c);
+  PetscCall(PetscCalloc1(n, &width));
+  n = 0;
+  for (PetscInt c = 0; c < cells->n; c++)
+    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, n++)
+      for (PetscInt a = 0; a < d; a++) {
+        const PetscInt q = cells->sets == 1 ? 0 : a;
+
+        width[n] += cells->first[q][c + 1] - cells->first[q][c];
+      }
+  PetscCall(SplineMat(p->comm, n, d * (walls ? p->n_wall : p->n_fluid), width, T));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(*T, &row, NULL));
+  for (PetscInt c = 0; c < cells->n; c++)
+    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, row++)
+      for (PetscInt a = 0; a < d; a++) {
+        const PetscInt q = cells->sets == 1 ? 0 : a;
+
+        for (PetscInt e = cells->first[q][c]; e < cells->first[q][c + 1]; e++) {
+          const PetscInt j = cells->j[q][e];
+
+          if (ParticlesIsWall(p, j) == walls)
+            PetscCall(MatSetValue(*T, row, d * p->row[j] + a, cells->g[q][a][e], ADD_VALUES));
+        }
+      }
+  PetscCall(SplineMatFinish(*T));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the splines of the layer of fluid f: of those that are no unknowns, the nearest to the
+   surface. */
+static PetscErrorCode ChooseLayer(const Particles *p, const StrainCells *cells, PetscInt f,
+                                  const PetscReal share[], const PetscBool enough[], Splines *s)
+{
+  const PetscInt N       = s->lattice.N;
+  PetscBool     *layered = &s->layered[f * N];
+  PetscReal     *integral;
+  Mat            V;
+  Vec            part, own;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(N, &integral));
+  for (PetscInt q = 0; q < N; q++) layered[q] = !enough[q] && share[q] >= LAYER_SHARE;
+  PetscCall(LayerMat(p, s, cells, f, &V, &part));
+  PetscCall(VecDuplicate(s->mass, &own));
+  PetscCall(MatMultTranspose(V, part, own));
+  PetscCall(CollectAll(p, s, own, integral));
+  for (PetscInt q = 0; q < N; q++) layered[q] = layered[q] && integral[q] >= LAYER_LEAST;
+  PetscCall(PetscFree(integral));
+  PetscCall(VecDestroyAll(&part, &own));
+  PetscCall(MatDestroy(&V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes the extension of the splines of fluid f, and lists the own splines that are no unknowns;
    collective */
 static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, PetscInt f,
@@ -182,6 +306,7 @@ static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, 
     enough[q] = share[q] >= SOLID_ENOUGH && share[q] + solid[q] >= SURFACE_ENOUGH;
   PetscCall(FindPieces(p, s, cells, f, piece));
   AddLocal(l, share, piece, enough, add);
+  if (f < s->fluids) PetscCall(ChooseLayer(p, cells, f, share, enough, s));
   PetscCall(MatCreateAIJ(p->comm, s->own.size, s->own.size, PETSC_DETERMINE, PETSC_DETERMINE, 12,
                          NULL, 12, NULL, E));
   PetscCall(MatSetOption(*E, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
@@ -196,7 +321,8 @@ static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, 
       PetscCall(MatSetValue(*E, row, row, 1.0, INSERT_VALUES));
       continue;
     }
-    s->slave[f * s->own.size + k] = PETSC_TRUE;
+    s->slave[f * s->own.size + k] =
+        f < s->fluids && s->layered[f * l->N + q] ? PETSC_FALSE : PETSC_TRUE;
     if (!SplineNearMasters(l, enough, piece, q, &slave)) continue;
     for (PetscInt m = 0; m < slave.n; m++)
       PetscCall(MatSetValue(*E, row, SplinesGlobal(s, p, slave.master[m]), slave.weight[m],
@@ -235,10 +361,39 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
 
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->surface));
-  PetscCall(PetscFree(s->slave));
+  PetscCall(FreeAll(&s->slave, &s->layered));
   PetscCall(PetscCalloc1((s->fluids + 1) * s->own.size, &s->slave));
+  PetscCall(PetscCalloc1(s->fluids * s->lattice.N, &s->layered));
+  PetscCall(VecDestroy(&s->layer));
+  PetscCall(VecDuplicate(s->all, &s->layer));
+  PetscCall(VecSet(s->layer, 0.0));
   for (PetscInt f = 0; f < s->fluids; f++) PetscCall(ExtendFluid(p, cells, f, s, &E[f]));
   PetscCall(JoinFluids(s, PETSC_TRUE, E, &s->surface));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds factor V^T diag(part) T of the layers of all fluids to a matrix: T is the divergence over
+   fluid, or over walls; products: V. */
+static PetscErrorCode AddLayers(const Particles *p, const Splines *s, const StrainCells *cells,
+                                PetscReal factor, PetscBool products, PetscBool walls, Mat *to)
+{
+  Mat V, T, of[SCENE_MAX_FLUIDS + 1], sum;
+  Vec part;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < s->fluids; f++) {
+    PetscCall(LayerMat(p, s, cells, f, &V, &part));
+    PetscCall(VecScale(part, factor));
+    if (products) PetscCall(MatDuplicate(V, MAT_COPY_VALUES, &T));
+    else PetscCall(LayerDivergence(p, s, cells, f, walls, &T));
+    PetscCall(MatDiagonalScale(T, part, NULL));
+    PetscCall(SplineGathered(V, T, &of[f]));
+    PetscCall(MatDestroyAll(&V, &T));
+    PetscCall(VecDestroy(&part));
+  }
+  PetscCall(JoinFluids(s, products, of, &sum));
+  PetscCall(SparseAdd(sum, to));
+  PetscCall(MatDestroy(&sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -427,6 +582,7 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
     PetscCall(JoinFluids(s, PETSC_FALSE, part, &D));
     PetscCall(SplineGathered(s->surface, D, &s->cut[1 + w]));
     PetscCall(MatDestroy(&D));
+    PetscCall(AddLayers(p, s, cells, 1.0, PETSC_FALSE, w == 1, &s->cut[1 + w]));
   }
   all = of_fluid[0];
   if (s->fluids > 1) {
@@ -437,6 +593,7 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
   if (s->has_products) {
     PetscCall(ExtendProducts(p, all, s->surface, volume, s, &s->M));
     PetscCall(UnusedRows(s, s->fluids, s->slave, s->M));
+    PetscCall(AddLayers(p, s, cells, LAYER_PRODUCTS, PETSC_TRUE, PETSC_FALSE, &s->M));
   }
   if (s->fluids > 1) PetscCall(MatDestroy(&all));
   if (s->has_products && p->dim == 3)
@@ -446,12 +603,14 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
 }
 
 /* SplineSurfaceFill - Sets the coefficients of splines that are no unknowns; collective */
-PetscErrorCode SplineSurfaceFill(const Splines *s, Vec p)
+PetscErrorCode SplineSurfaceFill(Splines *s, Vec p)
 {
   Vec all;
 
   PetscFunctionBegin;
   if (!s->surface) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecCopy(p, s->layer));
+  PetscCall(VecShift(s->layer, -s->lattice.scene->level));
   PetscCall(VecDuplicate(p, &all));
   PetscCall(MatMult(s->surface, p, all));
   PetscCall(VecCopy(all, p));

@@ -58,6 +58,7 @@ typedef struct {
   PetscBool        normal; /* see StrainQuantity */
   PetscBool        free;   /* fits hold on a free surface */
   const PetscBool *gives;
+  const PetscBool *dry;  /* walls that the fluid does not wet, by local index; NULL: none */
   PetscInt        *foot; /* by local index: row of the velocity on the interface there; -1: none */
   StrainRows       feet; /* rows of feet, sets for each */
 } StrainFits;
@@ -84,6 +85,7 @@ typedef struct {
   PetscInt  *other; /* beyond its interface; its own without */
   PetscReal *phi;   /* distance from its interface, at least 0 [m] */
   PetscReal *depth; /* below the free surface; NULL: there is none [m] */
+  PetscBool *dry;   /* walls that the fluid does not wet, by local index; NULL: none */
 } StrainNodes;
 
 /* A cell of the block. */
@@ -116,13 +118,15 @@ PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, Pet
                            StrainVolume Volume, void *ctx, PetscReal *tau);
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
                             const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
-                            PetscReal gradient[]);
+                            PetscReal gradient[], PetscReal *value);
 
 /* strainmotion.c */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            StrainCells *cells);
+                            const PetscBool dry[], StrainCells *cells);
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
                             const Facets *facets, StrainCells *cells);
+PetscErrorCode StrainLayer(PetscInt dim, const StrainPoints *points, const Facets *facets,
+                           StrainCells *cells);
 PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
 
 /* strainsurface.c */

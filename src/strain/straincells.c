@@ -409,6 +409,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   s->sets = quantity->sets;
   if (quantity->gives && !s->mean) PetscCall(PetscMalloc1(PetscMax(s->room[0], 1), &s->mean));
   PetscCall(StrainNodesFind(scene, p, edge, quantity, &s->lattice, &corners));
+  fits.dry  = corners.dry;
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
@@ -429,8 +430,9 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     for (PetscInt q = 0; q < s->sets; q++)
       for (PetscInt i = 0; i < p->n_fluid; i++)
         s->mass[q][i] = p->volume[i] * (ParticlesDensity(scene, p, i) / scene->rho);
-    PetscCall(StrainMotion(scene, p, &sides.points, s));
+    PetscCall(StrainMotion(scene, p, &sides.points, corners.dry, s));
     PetscCall(StrainFluxes(scene, p, &sides.points, &facets, s));
+    PetscCall(StrainLayer(p->dim, &sides.points, &facets, s));
   }
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
@@ -477,6 +479,8 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
                     &s->surface.wet_body));
   PetscCall(StrainRowsFree(&s->surface.rows));
   PetscCall(StrainBlocksFree(&s->surface.motion));
+  PetscCall(StrainBlocksFree(&s->surface.layer));
+  PetscCall(PetscFree(s->surface.depth));
   PetscCall(StrainBlocksFree(&s->flux));
   for (PetscInt k = 0; k < STRAIN_TENSOR; k++) PetscCall(PetscFree(s->weight[k]));
   PetscCall(FreeAll(&s->strain, &s->rate));

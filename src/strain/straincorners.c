@@ -323,6 +323,23 @@ static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Lists walls that the fluid does not wet: those out of its level, by local index. */
+static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cells *cells,
+                              PetscReal tau, PetscInt list[], PetscBool **dry)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(ParticlesAll(p), dry));
+  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
+    PetscReal x[ISPH_MAX_DIM], C;
+
+    if (!ParticlesIsWall(p, j)) continue;
+    ParticlesWallPoint(p, j, x);
+    PetscCall(StrainConcentration(scene, p, cells, x, list, &C));
+    (*dry)[j] = C < tau ? PETSC_TRUE : PETSC_FALSE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
 static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
                                   StrainNodes *corners)
@@ -347,6 +364,7 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   of.C = C;
   for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
   PetscCall(FindLevel(p, own, LEVEL_LOW, LEVEL_HIGH, &of, &tau));
+  PetscCall(FindDry(scene, p, &cells, tau, list, &corners->dry));
   PetscCall(PetscFree2(list, C));
   PetscCall(CellsFree(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -411,6 +429,6 @@ PetscErrorCode StrainNodesFree(StrainNodes *corners)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree3(corners->fluid, corners->other, corners->phi));
-  PetscCall(PetscFree(corners->depth));
+  PetscCall(FreeAll(&corners->depth, &corners->dry));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

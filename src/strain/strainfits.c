@@ -178,7 +178,7 @@ static void Gather(const StrainFits *f, PetscInt fluid, PetscInt c, PetscInt n,
     PetscInt       code = j;
 
     if (ParticlesIsWall(p, j)) {
-      if (p->depth[j] >= p->dx[j] || !GivesComponent(f, j, c)) continue;
+      if (p->depth[j] >= p->dx[j] || (f->dry && f->dry[j]) || !GivesComponent(f, j, c)) continue;
       ParticlesWallPoint(p, j, y);
     } else if (p->fluid && (PetscInt)p->fluid[j] != fluid) {
       if (!f->foot || f->foot[j] < 0) continue;
@@ -312,12 +312,15 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, R2;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal y[ISPH_MAX_DIM];
+  for (PetscInt pass = 0; pass < 2 && !from.n; pass++) { /* dry walls if there are no others */
+    for (PetscInt k = 0; k < n; k++) {
+      PetscReal y[ISPH_MAX_DIM];
 
-    if (!ParticlesIsWall(p, list[k]) || (PetscInt)p->side[list[k]] != side) continue;
-    ParticlesWallPoint(p, list[k], y);
-    AddCandidate(d, list[k], y, &from);
+      if (!ParticlesIsWall(p, list[k]) || (PetscInt)p->side[list[k]] != side) continue;
+      if (!pass && f->dry && f->dry[list[k]]) continue;
+      ParticlesWallPoint(p, list[k], y);
+      AddCandidate(d, list[k], y, &from);
+    }
   }
   FindAround(&from, x, PETSC_INFINITY, &around);
   if (around.n > 2 * d) around.n = 2 * d;

@@ -89,12 +89,15 @@ static void FindWalls(const Scene *scene, PetscReal R, const PetscReal x[], Wall
   if (SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, R, all, &n);
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal contact = scene->boundary[all[k].side].contact;
+    const PetscBool through = BoundaryIs(scene, all[k].side, BOUNDARY_OUTFLOW); /* images follow */
     PetscReal       one[2];
 
     if (contact == 0.0) {
-      walls->plane[walls->n]           = all[k];
-      walls->turn[walls->n]            = all[k];
-      walls->turn[walls->n++].distance = 0.0;
+      walls->plane[walls->n]         = all[k];
+      walls->turn[walls->n]          = all[k];
+      walls->turn[walls->n].distance = 0.0;
+      for (PetscInt a = 0; a < scene->dim && through; a++) walls->turn[walls->n].normal[a] = 0.0;
+      walls->n++;
       continue;
     }
     PartBehind(scene->dim, contact, PetscMax(all[k].distance, 0.0), R, one);
@@ -152,11 +155,11 @@ static void AddSlope(PetscInt dim, PetscReal R, const PetscReal X[], PetscReal f
 
 /* StrainSlopes - Computes the derivatives of the concentration at a place. Not collective. Input:
    cells - of edge 3 dx at least. Output: list, n - particles around; slope - by the place of each,
-   dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m]. Those of mirror
-   images and of the parts behind walls are walls' too. */
+   dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m]; value - the part that
+   the particles have. Those of mirror images and of the parts behind walls are walls' too. */
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
                             const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
-                            PetscReal gradient[])
+                            PetscReal gradient[], PetscReal *value)
 {
   const PetscInt  d = p->dim;
   const PetscReal R = LEVEL_REACH * scene->dx;
@@ -185,6 +188,7 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
       for (PetscInt a = 0; a < d; a++) slope[q * d + a] += of[a];
     }
   }
+  *value = C / (1.0 - walls.behind[1]);
   for (PetscInt k = 0; k < 2 * d && walls.behind[0] != 0.0; k++) { /* C with the walls elsewhere */
     const PetscReal step = k % 2 ? SLOPE_STEP * R : -SLOPE_STEP * R;
     PetscReal       y[ISPH_MAX_DIM];

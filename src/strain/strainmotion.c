@@ -59,9 +59,10 @@ PetscErrorCode StrainBlocksFree(StrainBlocks *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the wall particle nearest to a place of those listed; -1: none. */
-static PetscInt NearestWall(const Particles *p, const PetscReal x[], PetscInt n,
-                            const PetscInt list[])
+/* Returns the wall particle nearest to a place of those listed, a wet one if there is any; -1:
+   none. Input: dry - walls that are not wet, by local index. */
+static PetscInt NearestWall(const Particles *p, const PetscBool dry[], const PetscReal x[],
+                            PetscInt n, const PetscInt list[])
 {
   PetscReal least = PETSC_INFINITY;
   PetscInt  best  = -1;
@@ -72,8 +73,9 @@ static PetscInt NearestWall(const Particles *p, const PetscReal x[], PetscInt n,
     if (!ParticlesIsWall(p, list[q])) continue;
     ParticlesWallPoint(p, list[q], y);
     for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(y[a] - x[a]);
-    if (r2 < least) best = list[q];
-    least = PetscMin(least, r2);
+    if (best >= 0 && dry[list[q]] != dry[best] ? dry[list[q]] : r2 >= least) continue;
+    best  = list[q];
+    least = r2;
   }
   return best;
 }
@@ -97,10 +99,11 @@ static void WayOf(const Scene *scene, const PetscReal x[], const PetscReal norma
 }
 
 /* StrainMotion - Computes the velocities of the corners of the surface. Not collective. Input:
-   points - of the rows of the surface. Output: cells->surface.motion. Mirror images and parts of
-   the level behind walls move with the walls: their part goes to the nearest wall particle. */
+   points - of the rows of the surface; dry - walls that are not wet, by local index. Output:
+   cells->surface.motion. Mirror images and parts of the level behind walls move with the walls:
+   their part goes to the nearest wall particle. */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            StrainCells *cells)
+                            const PetscBool dry[], StrainCells *cells)
 {
   StrainSurface *s    = &cells->surface;
   const PetscInt d    = p->dim;
@@ -113,25 +116,27 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
   PetscCall(PetscMalloc3(near.n + 1, &list, d * (near.n + 1), &slope, ParticlesAll(p), &place));
   for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
   PetscCall(BeginBlocks(d * d, s->n_corners, &s->motion));
+  PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->n_corners + 1), &s->depth));
   for (PetscInt v = 0; v < s->n_corners; v++) {
     PetscInt  n, wall;
     PetscReal x[ISPH_MAX_DIM], rest[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], way[ISPH_MAX_DIM];
-    PetscReal size = PETSC_MACHINE_EPSILON;
+    PetscReal C = 0.0, size = PETSC_MACHINE_EPSILON;
 
     for (PetscInt a = 0; a < d; a++) x[a] = points->x[a][s->first + v];
-    if (s->on_level[v]) PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal));
+    if (s->on_level[v]) PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal, &C));
     else n = -1; /* it moves with the fits */
     for (PetscInt a = 0; a < d; a++) {
       if (n < 0) normal[a] = 0.0;
       size += PetscSqr(normal[a]);
     }
-    size = PetscSqrtReal(size);
+    size        = PetscSqrtReal(size);
+    s->depth[v] = C / size;
     for (PetscInt a = 0; a < d; a++) {
       normal[a] /= -size;
       rest[a] = normal[a];
     }
     WayOf(scene, x, normal, way);
-    wall = NearestWall(p, x, n, list);
+    wall = NearestWall(p, dry, x, n, list);
     for (PetscInt q = 0; q <= n; q++) {
       const PetscInt   j  = q < n ? list[q] : wall;
       const PetscReal *of = q < n ? &slope[q * d] : rest;
@@ -154,6 +159,54 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
   }
   PetscCall(PetscFree3(list, slope, place));
   PetscCall(CellsFree(&near));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StrainLayer - Computes the weights of the divergence of cells in that at the surface,
+
+    int psi l div u dA = sum_c (sum_v w_cv psi(y_v)) V_c (div u)_c,   w_cv = A_v l_v/sum_c' V_c'
+
+  Not collective. The depth l = C/|grad C| of the layer that a level feels is that of corner v, and
+  its divergence the mean over its cells c'. Output: cells->surface.layer. Source:
+  docs/developers/theory.md, (564)
+*/
+PetscErrorCode StrainLayer(PetscInt d, const StrainPoints *points, const Facets *facets,
+                           StrainCells *s)
+{
+  const PetscInt n = s->surface.n_corners;
+  PetscInt      *place;
+  PetscReal     *area, *volume, *w;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n + 1, &place, n + 1, &area, n + 1, &volume));
+  for (PetscInt v = 0; v < n; v++) {
+    place[v] = -1;
+    area[v] = volume[v] = 0.0;
+  }
+  for (PetscInt c = 0; c < s->n; c++)
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      const PetscInt v  = facets->facet[k].point - s->surface.first;
+      PetscReal      n2 = 0.0;
+
+      if (v < 0 || !s->surface.on_level[v]) continue;
+      for (PetscInt a = 0; a < d; a++) n2 += PetscSqr(facets->facet[k].normal[a]);
+      area[v] += s->volume[c] * PetscSqrtReal(n2);
+      volume[v] += s->volume[c];
+    }
+  PetscCall(BeginBlocks(1 + d, s->n, &s->surface.layer));
+  for (PetscInt c = 0; c < s->n; c++) {
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      const PetscInt v = facets->facet[k].point - s->surface.first;
+
+      if (v < 0 || !s->surface.on_level[v]) continue;
+      PetscCall(EntryOf(v, &s->surface.layer, place, &w));
+      w[0] += s->surface.depth[v] * area[v] / volume[v];
+      for (PetscInt a = 0; a < d; a++) w[1 + a] = points->x[a][facets->facet[k].point];
+    }
+    EndBlocks(c, &s->surface.layer, place);
+  }
+  PetscCall(PetscFree3(place, area, volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

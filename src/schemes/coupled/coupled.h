@@ -39,7 +39,7 @@ typedef struct {
   PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 } Schur;
 
-PetscErrorCode SchurCreate(Schur *schur);
+PetscErrorCode SchurCreate(PetscBool layer, Schur *schur);
 PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool anew, Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);

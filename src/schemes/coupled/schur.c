@@ -142,13 +142,26 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the defaults of a pressure that a layer at the surface has a part in: its entries in K are
+   large and of both signs, so incomplete factors follow the cycle of AMG. */
+static PetscErrorCode LayerDefaults(void)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionDefault("coupled_schur_", "-pc_type", PCCOMPOSITE));
+  PetscCall(OptionDefault("coupled_schur_", "-pc_composite_type", "multiplicative"));
+  PetscCall(OptionDefault("coupled_schur_", "-pc_composite_pcs", "hypre,bjacobi"));
+  PetscCall(AmgDefaults("coupled_schur_sub_0_", "1"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SchurCreate - Creates the KSP of the Poisson equation, by default a single cycle of AMG;
-   collective */
-PetscErrorCode SchurCreate(Schur *s)
+   collective. Input: layer - the pressure has a layer at the surface. */
+PetscErrorCode SchurCreate(PetscBool layer, Schur *s)
 {
   PC pc;
 
   PetscFunctionBegin;
+  if (layer) PetscCall(LayerDefaults());
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &s->ksp));
   PetscCall(KSPSetOptionsPrefix(s->ksp, "coupled_schur_"));
   PetscCall(KSPSetType(s->ksp, KSPPREONLY));

@@ -99,7 +99,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   if (!lu)
     c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
   if (c->splits) PetscCall(BlockDefaults(flow, c));
-  if (c->splits) PetscCall(SchurCreate(&c->schur));
+  if (c->splits) PetscCall(SchurCreate(flow->ops->cut_surface, &c->schur));
   PetscCall(CreateKsp(c));
   PetscCall(SchemeAddSolve(&c->guard.solve, flow->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);

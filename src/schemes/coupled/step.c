@@ -227,6 +227,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
+  if (sp) PetscCall(SplineLayerSet(sp, flow->scene->level, sp->all));
   PetscCall(SaddlePut(&c->saddle, s->u_next, Pressure(flow), c->x));
   if (!steady && newtonian) {
     PetscCall(StepEuler(dt, s->u_next, c, failure));
