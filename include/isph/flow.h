@@ -350,6 +350,7 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow);
 PetscErrorCode FlowStateCreate(Flow *flow);
 PetscErrorCode FlowStateRegister(Flow *flow);
 PetscErrorCode FlowStateRenumber(Flow *flow);
+PetscErrorCode FlowSurfaceTension(Flow *flow);
 PetscErrorCode FlowStateDestroy(Flow *flow);
 PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[]);
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);

@@ -239,26 +239,6 @@ static PetscErrorCode AddSlave(PetscInt q, const SplineSlave *slave, SplineExten
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineSideGives - Returns true if a side gives the pressure; not collective */
-PetscBool SplineSideGives(const SplineLattice *l)
-{
-  for (PetscInt side = 0; side < 2 * l->dim; side++)
-    if (l->given[side]) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* SplineIsGiven - Returns true if the number of a spline is given by a side, the first in order;
-   not collective */
-PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side)
-{
-  for (*side = 0; *side < 2 * l->dim; (*side)++) {
-    const PetscInt a = *side / 2;
-
-    if (l->given[*side] && index[a] == (*side % 2 ? l->count[a] - 1 : 0)) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
 /* Creates the list of slaves, with those beside sides that give the pressure. */
 static PetscErrorCode CreateList(const SplineLattice *l, SplineExtension **extension)
 {

@@ -3,9 +3,9 @@
 
     K + c c^T,   c = M 1/sqrt(1^T M 1)
 
-  by splinetensor.c. c fixes the mean of the pressure over the box; it is absent if a side gives the
-  pressure, and numbers that are given stay. On several ranks the splines
-  are first dealt out in slabs, which have all splines along all axes but one, and then for the
+  by splinelattice.c. c fixes the mean of the pressure over the box; it is absent if a side gives
+  the pressure, and numbers that are given stay. On several ranks the splines are first dealt out in
+  slabs, which have all splines along all axes but one, and then for the
   product along this axis in slabs of another axis.
 */
 #include "splines.h"

@@ -384,7 +384,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
       PetscCall(CellSplinesMat(p, s, cells, n, f == sets - 1 ? -1 : f, &of[f]));
     PetscCall(SplineSurfaceRows(flow, n, of, T, s));
     for (PetscInt f = 0; f < sets; f++) PetscCall(MatDestroy(&of[f]));
-    PetscCall(SplineSurfaceTension(flow));
+    PetscCall(FlowSurfaceTension(flow));
     PetscCall(SplinesShareOut(s));
   } else {
     PetscCall(CellSplinesMat(p, s, cells, n, -1, &all));

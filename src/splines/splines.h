@@ -415,6 +415,23 @@ PetscErrorCode SplinesSetJumps(const Flow *flow, const Vec u[], Splines *s);
 PetscErrorCode SplinesShareOut(Splines *s);
 PetscErrorCode SplinesSumFluids(const Splines *s, Vec all, Vec sum);
 
+/* SplineIsOf - Returns true if a cell is in the fluid with the splines f; those past all fluids are
+   of all */
+static inline PetscBool SplineIsOf(const Splines *s, const StrainCells *cells, PetscInt c,
+                                   PetscInt f)
+{
+  return s->fluids == 1 || f == s->fluids || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* splinelayer.c */
+PetscErrorCode SplineCollect(const Particles *particles, const Splines *s, Vec own, PetscReal to[]);
+PetscErrorCode SplineJoinFluids(const Splines *s, PetscBool diagonal, Mat part[], Mat *whole);
+PetscErrorCode SplineLayerChoose(const Particles *particles, const StrainCells *cells, PetscInt f,
+                                 const PetscReal share[], const PetscBool enough[], Splines *s);
+PetscErrorCode SplineLayersAdd(const Particles *particles, const Splines *s,
+                               const StrainCells *cells, PetscReal factor, PetscBool products,
+                               PetscBool walls, Mat *to);
+
 /* splinesurface.c */
 PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells *cells,
                                    Splines *s);
@@ -422,7 +439,6 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
                                  Splines *s);
 PetscErrorCode SplineSurfaceStiffness(Splines *s);
 PetscErrorCode SplineSurfaceFill(Splines *s, Vec p);
-PetscErrorCode SplineSurfaceTension(Flow *flow);
 
 /* splinemixture.c */
 PetscErrorCode SplinesMix(Flow *flow, Splines *s);
@@ -483,7 +499,7 @@ PetscBool      SplineIsNearOblique(const Flow *flow, PetscInt i, const SplineAro
 PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt b, PetscReal R,
                             const SplineAround *around);
 
-/* ---- splinetensor.c: the stiffness of the splines of a box in the basis that makes it diagonal
+/* ---- splinelattice.c: the stiffness of the splines of a box in the basis that makes it diagonal
    ---- */
 
 /* A matrix of an axis, in both orders: row by row and column by column. */
@@ -499,7 +515,7 @@ typedef struct {
   SplineAxis axis[ISPH_MAX_DIM];
 } SplineTensor;
 
-/* splinetensor.c */
+/* splinelattice.c */
 PetscErrorCode SplineTensorSet(const SplineLattice *lattice, PetscReal scale, SplineTensor *t);
 PetscErrorCode SplineTensorFree(SplineTensor *t);
 void SplineTensorAlong(const SplineTensor *t, const PetscInt n[], PetscInt a, PetscBool back,

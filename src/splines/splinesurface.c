@@ -17,15 +17,7 @@
 #define SOLID_ENOUGH   0.027 /* in the fluid, as of the spline in the corner of a box */
 #define SURFACE_LEAST  1e-3  /* below it a spline has no fluid */
 #define LINEAR_LEAST   0.3   /* of splines across thin layers */
-#define LAYER_SHARE    0.3   /* least share in the fluid of splines of the layer: one in a column */
-#define LAYER_LEAST    0.05  /* least integral of such a spline in it, over the volume of a cell */
-#define LAYER_PRODUCTS 2.0   /* of its integrals, in the preconditioner: least iterations */
-
-/* Returns true if a cell is in the fluid with the splines f; those past all fluids are of all. */
-static PetscBool IsOf(const Splines *s, const StrainCells *cells, PetscInt c, PetscInt f)
-{
-  return s->fluids == 1 || f == s->fluids || cells->fluid[c] == f ? PETSC_TRUE : PETSC_FALSE;
-}
+#define LAYER_PRODUCTS 2.0   /* of the integrals of layers, in the preconditioner */
 
 /* Computes the parts of the splines that are in fluid f, or in solids if it is negative, over a
    cell. */
@@ -44,38 +36,13 @@ static PetscErrorCode Parts(const Particles *p, const Splines *s, const StrainCe
        k++) {
     for (PetscInt a = 0; !solid && a < p->dim; a++) x[a] = cells->centre[a][k];
     if (!solid) volume = cells->volume[k];
-    if (volume == 0.0 || (!solid && !IsOf(s, cells, k, f)) || !ParticlesHolds(p, x)) continue;
+    if (volume == 0.0 || (!solid && !SplineIsOf(s, cells, k, f)) || !ParticlesHolds(p, x)) continue;
     SplineRowAt(s, &s->lattice, p, x, &at);
     for (PetscInt e = 0; e < at.n; e++)
       PetscCall(VecSetValue(part, at.number[e], one * volume * at.value[e], ADD_VALUES));
   }
   PetscCall(VecAssemblyBegin(part));
   PetscCall(VecAssemblyEnd(part));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Collects a number of each spline in the order of the lattice. */
-static PetscErrorCode CollectAll(const Particles *p, const Splines *s, Vec own, PetscReal to[])
-{
-  const SplineLattice *l = &s->lattice;
-  const PetscScalar   *from;
-  VecScatter           collect;
-  Vec                  all;
-
-  PetscFunctionBegin;
-  PetscCall(VecScatterCreateToAll(own, &collect, &all));
-  PetscCall(VecScatterBegin(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(collect, own, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecGetArrayRead(all, &from));
-  for (PetscInt q = 0; q < l->N; q++) {
-    PetscInt index[ISPH_MAX_DIM];
-
-    SplineIndex(l->dim, NULL, l->count, q, index);
-    to[q] = PetscRealPart(from[SplinesGlobal(s, p, index)]);
-  }
-  PetscCall(VecRestoreArrayRead(all, &from));
-  PetscCall(VecScatterDestroy(&collect));
-  PetscCall(VecDestroy(&all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,7 +57,7 @@ static PetscErrorCode Shares(const Particles *p, const Splines *s, const StrainC
   PetscCall(VecDuplicate(s->mass, &own));
   PetscCall(Parts(p, s, cells, f, own));
   PetscCall(VecPointwiseDivide(own, own, s->mass));
-  PetscCall(CollectAll(p, s, own, share));
+  PetscCall(SplineCollect(p, s, own, share));
   PetscCall(VecDestroy(&own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -118,7 +85,7 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
     SplineValues at;
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-    if (of_cell[c] < 0 || !IsOf(s, cells, c, f) || !ParticlesHolds(p, x)) continue;
+    if (of_cell[c] < 0 || !SplineIsOf(s, cells, c, f) || !ParticlesHolds(p, x)) continue;
     SplinesAt(l, x, &at);
     for (PetscInt k = 0; k < at.n; k++) { /* the largest value is the nearest */
       const PetscInt q = SplineNatural(l, at.index[k]);
@@ -179,115 +146,6 @@ static void AddLocal(const SplineLattice *l, const PetscReal share[], const Pets
   for (PetscInt q = 0; q < l->N; q++) enough[q] = enough[q] || add[q];
 }
 
-/* Returns the corners of the layer of fluid f in a cell if it is an own one. */
-static PetscInt LayerCorners(const Particles *p, const Splines *s, const StrainCells *cells,
-                             PetscInt f, PetscInt c)
-{
-  const StrainBlocks *layer = &cells->surface.layer;
-  PetscReal           x[ISPH_MAX_DIM];
-
-  if (!IsOf(s, cells, c, f) || !SplineHasCell(p, cells, c, x)) return 0;
-  return layer->start[c + 1] - layer->start[c];
-}
-
-/* Assembles the splines of the layer of fluid f at its corners in own cells, and the parts of their
-   cells in it over the volume of a cell of the splines. */
-static PetscErrorCode LayerMat(const Particles *p, const Splines *s, const StrainCells *cells,
-                               PetscInt f, Mat *V, Vec *part)
-{
-  const StrainBlocks *layer = &cells->surface.layer;
-  const PetscReal     cell  = PetscPowReal(s->scale, (PetscReal)p->dim);
-  PetscInt            n     = 0, row, *width;
-
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < cells->n; c++) n += LayerCorners(p, s, cells, f, c);
-  PetscCall(PetscMalloc1(n, &width));
-  for (PetscInt k = 0; k < n; k++) width[k] = SplinesAtPoint(&s->lattice);
-  PetscCall(SplineMat(p->comm, n, s->own.size, width, V));
-  PetscCall(PetscFree(width));
-  PetscCall(MatCreateVecs(*V, NULL, part));
-  PetscCall(MatGetOwnershipRange(*V, &row, NULL));
-  for (PetscInt c = 0; c < cells->n; c++)
-    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, row++) {
-      const PetscReal *of = &layer->w[(layer->start[c] + k) * layer->size];
-      SplineValues     at;
-
-      SplinesAt(&s->lattice, of + 1, &at);
-      for (PetscInt q = 0; q < at.n; q++)
-        if (s->layered[f * s->lattice.N + SplineNatural(&s->lattice, at.index[q])])
-          PetscCall(
-              MatSetValue(*V, row, SplinesGlobal(s, p, at.index[q]), at.value[q], ADD_VALUES));
-      PetscCall(VecSetValue(*part, row, cells->volume[c] / cell * of[0], INSERT_VALUES));
-    }
-  PetscCall(SplineMatFinish(*V));
-  PetscCall(VecAssemblyBegin(*part));
-  PetscCall(VecAssemblyEnd(*part));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Assembles the divergence of the cells of these corners: interlaced components over fluid, or over
-   walls. */
-static PetscErrorCode LayerDivergence(const Particles *p, const Splines *s,
-                                      const StrainCells *cells, PetscInt f, PetscBool walls, Mat *T)
-{
-  const PetscInt d = p->dim;
-  PetscInt       n = 0, row, *width;
-
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < cells->n; c++) n += LayerCorners(p, s, cells, f, c);
-  PetscCall(PetscCalloc1(n, &width));
-  n = 0;
-  for (PetscInt c = 0; c < cells->n; c++)
-    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, n++)
-      for (PetscInt a = 0; a < d; a++) {
-        const PetscInt q = cells->sets == 1 ? 0 : a;
-
-        width[n] += cells->first[q][c + 1] - cells->first[q][c];
-      }
-  PetscCall(SplineMat(p->comm, n, d * (walls ? p->n_wall : p->n_fluid), width, T));
-  PetscCall(PetscFree(width));
-  PetscCall(MatGetOwnershipRange(*T, &row, NULL));
-  for (PetscInt c = 0; c < cells->n; c++)
-    for (PetscInt k = 0; k < LayerCorners(p, s, cells, f, c); k++, row++)
-      for (PetscInt a = 0; a < d; a++) {
-        const PetscInt q = cells->sets == 1 ? 0 : a;
-
-        for (PetscInt e = cells->first[q][c]; e < cells->first[q][c + 1]; e++) {
-          const PetscInt j = cells->j[q][e];
-
-          if (ParticlesIsWall(p, j) == walls)
-            PetscCall(MatSetValue(*T, row, d * p->row[j] + a, cells->g[q][a][e], ADD_VALUES));
-        }
-      }
-  PetscCall(SplineMatFinish(*T));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Chooses the splines of the layer of fluid f: of those that are no unknowns, the nearest to the
-   surface. */
-static PetscErrorCode ChooseLayer(const Particles *p, const StrainCells *cells, PetscInt f,
-                                  const PetscReal share[], const PetscBool enough[], Splines *s)
-{
-  const PetscInt N       = s->lattice.N;
-  PetscBool     *layered = &s->layered[f * N];
-  PetscReal     *integral;
-  Mat            V;
-  Vec            part, own;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(N, &integral));
-  for (PetscInt q = 0; q < N; q++) layered[q] = !enough[q] && share[q] >= LAYER_SHARE;
-  PetscCall(LayerMat(p, s, cells, f, &V, &part));
-  PetscCall(VecDuplicate(s->mass, &own));
-  PetscCall(MatMultTranspose(V, part, own));
-  PetscCall(CollectAll(p, s, own, integral));
-  for (PetscInt q = 0; q < N; q++) layered[q] = layered[q] && integral[q] >= LAYER_LEAST;
-  PetscCall(PetscFree(integral));
-  PetscCall(VecDestroyAll(&part, &own));
-  PetscCall(MatDestroy(&V));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Computes the extension of the splines of fluid f, and lists the own splines that are no unknowns;
    collective */
 static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, PetscInt f,
@@ -306,7 +164,7 @@ static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, 
     enough[q] = share[q] >= SOLID_ENOUGH && share[q] + solid[q] >= SURFACE_ENOUGH;
   PetscCall(FindPieces(p, s, cells, f, piece));
   AddLocal(l, share, piece, enough, add);
-  if (f < s->fluids) PetscCall(ChooseLayer(p, cells, f, share, enough, s));
+  if (f < s->fluids) PetscCall(SplineLayerChoose(p, cells, f, share, enough, s));
   PetscCall(MatCreateAIJ(p->comm, s->own.size, s->own.size, PETSC_DETERMINE, PETSC_DETERMINE, 12,
                          NULL, 12, NULL, E));
   PetscCall(MatSetOption(*E, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
@@ -333,26 +191,6 @@ static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Joins the matrices of fluids, which it destroys: below each other, or along the diagonal. */
-static PetscErrorCode JoinFluids(const Splines *s, PetscBool diagonal, Mat part[], Mat *whole)
-{
-  const PetscInt n                                                      = s->fluids;
-  Mat            block[(SCENE_MAX_FLUIDS + 1) * (SCENE_MAX_FLUIDS + 1)] = {NULL}, nest;
-
-  PetscFunctionBegin;
-  if (n == 1) {
-    *whole = part[0];
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt f = 0; f < n; f++) block[diagonal ? f * n + f : f] = part[f];
-  PetscCall(MatCreateNest(PetscObjectComm((PetscObject)part[0]), n, NULL, diagonal ? n : 1, NULL,
-                          block, &nest));
-  PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, whole));
-  PetscCall(MatDestroy(&nest));
-  for (PetscInt f = 0; f < n; f++) PetscCall(MatDestroy(&part[f]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplineSurfaceExtend - Computes the extension E of the splines, of each fluid its own, and lists
    the own splines that are no unknowns. Collective. */
 PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
@@ -368,32 +206,7 @@ PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells,
   PetscCall(VecDuplicate(s->all, &s->layer));
   PetscCall(VecSet(s->layer, 0.0));
   for (PetscInt f = 0; f < s->fluids; f++) PetscCall(ExtendFluid(p, cells, f, s, &E[f]));
-  PetscCall(JoinFluids(s, PETSC_TRUE, E, &s->surface));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds factor V^T diag(part) T of the layers of all fluids to a matrix: T is the divergence over
-   fluid, or over walls; products: V. */
-static PetscErrorCode AddLayers(const Particles *p, const Splines *s, const StrainCells *cells,
-                                PetscReal factor, PetscBool products, PetscBool walls, Mat *to)
-{
-  Mat V, T, of[SCENE_MAX_FLUIDS + 1], sum;
-  Vec part;
-
-  PetscFunctionBegin;
-  for (PetscInt f = 0; f < s->fluids; f++) {
-    PetscCall(LayerMat(p, s, cells, f, &V, &part));
-    PetscCall(VecScale(part, factor));
-    if (products) PetscCall(MatDuplicate(V, MAT_COPY_VALUES, &T));
-    else PetscCall(LayerDivergence(p, s, cells, f, walls, &T));
-    PetscCall(MatDiagonalScale(T, part, NULL));
-    PetscCall(SplineGathered(V, T, &of[f]));
-    PetscCall(MatDestroyAll(&V, &T));
-    PetscCall(VecDestroy(&part));
-  }
-  PetscCall(JoinFluids(s, products, of, &sum));
-  PetscCall(SparseAdd(sum, to));
-  PetscCall(MatDestroy(&sum));
+  PetscCall(SplineJoinFluids(s, PETSC_TRUE, E, &s->surface));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -579,10 +392,10 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
   for (PetscInt w = 0; w < 2; w++) {
     if (!T[w]) continue;
     for (PetscInt f = 0; f < s->fluids; f++) PetscCall(SplineGathered(of_fluid[f], T[w], &part[f]));
-    PetscCall(JoinFluids(s, PETSC_FALSE, part, &D));
+    PetscCall(SplineJoinFluids(s, PETSC_FALSE, part, &D));
     PetscCall(SplineGathered(s->surface, D, &s->cut[1 + w]));
     PetscCall(MatDestroy(&D));
-    PetscCall(AddLayers(p, s, cells, 1.0, PETSC_FALSE, w == 1, &s->cut[1 + w]));
+    PetscCall(SplineLayersAdd(p, s, cells, 1.0, PETSC_FALSE, w == 1, &s->cut[1 + w]));
   }
   all = of_fluid[0];
   if (s->fluids > 1) {
@@ -593,7 +406,7 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
   if (s->has_products) {
     PetscCall(ExtendProducts(p, all, s->surface, volume, s, &s->M));
     PetscCall(UnusedRows(s, s->fluids, s->slave, s->M));
-    PetscCall(AddLayers(p, s, cells, LAYER_PRODUCTS, PETSC_TRUE, PETSC_FALSE, &s->M));
+    PetscCall(SplineLayersAdd(p, s, cells, LAYER_PRODUCTS, PETSC_TRUE, PETSC_FALSE, &s->M));
   }
   if (s->fluids > 1) PetscCall(MatDestroy(&all));
   if (s->has_products && p->dim == 3)
@@ -615,82 +428,5 @@ PetscErrorCode SplineSurfaceFill(Splines *s, Vec p)
   PetscCall(MatMult(s->surface, p, all));
   PetscCall(VecCopy(all, p));
   PetscCall(VecDestroy(&all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds a matrix to one that may have products only. */
-static PetscErrorCode AddMatrix(Mat X, Mat *Y)
-{
-  PetscBool products;
-  Mat       sum;
-
-  PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)*Y, MATSHELL, &products));
-  if (!products) {
-    PetscCall(SparseAdd(X, Y));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MatCreateComposite(PetscObjectComm((PetscObject)X), 2, (Mat[]){*Y, X}, &sum));
-  PetscCall(MatDestroy(Y));
-  *Y = sum;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the area of the sides across an axis [m^(dim-1)]. */
-static PetscReal BoxArea(const Scene *scene, PetscInt axis)
-{
-  PetscReal area = 1.0;
-
-  for (PetscInt a = 0; a < scene->dim; a++) area *= a == axis ? 1.0 : scene->hi[a] - scene->lo[a];
-  return area;
-}
-
-/* SplineSurfaceTension - Computes the force of the tension of the free surface and of interfaces,
-   and adds its change in a step to the viscous matrix. Collective. Output: state->interface - force
-   per unit mass [m/s^2]; state->tension_energy. */
-PetscErrorCode SplineSurfaceTension(Flow *flow)
-{
-  const Scene       *scene = flow->scene;
-  const Particles   *p     = flow->particles;
-  const StrainCells *cells = flow->ops->strain;
-  AffineOperator    *visc  = &flow->ops->velocity[0].visc;
-  PetscReal         *force, *mass[ISPH_MAX_DIM], sum[2] = {0.0}; /* energy, mass */
-  PetscBool          has = scene->tension > 0.0;
-  PetscScalar       *to;
-  Mat                K;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_regions; k++) has = has || scene->region_tension[k] > 0.0;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    mass[a] = cells->mass[cells->sets == 1 ? 0 : a];
-    if (!has && flow->state->interface[a]) PetscCall(VecZeroEntries(flow->state->interface[a]));
-  }
-  if (!has) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FlowStateRenumber(flow));
-  PetscCall(PetscCalloc1(p->dim * p->n_fluid, &force));
-  PetscCall(StrainTension(scene, p, cells, force, &sum[0]));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(VecGetArrayWrite(flow->state->interface[a], &to));
-    for (PetscInt i = 0; i < p->n_fluid; i++)
-      to[i] = force[p->dim * i + a] / (scene->rho * mass[a][i]);
-    PetscCall(VecRestoreArrayWrite(flow->state->interface[a], &to));
-  }
-  PetscCall(PetscFree(force));
-  for (PetscInt i = 0; i < p->n_fluid; i++) sum[1] += scene->rho * mass[0][i];
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
-  for (PetscInt side = 0; side < 2 * p->dim; side++) /* dry walls that fluid wets have energy */
-    sum[0] +=
-        scene->tension * PetscMax(scene->boundary[side].contact, 0.0) * BoxArea(scene, side / 2);
-  flow->state->tension_energy = 2.0 * sum[0] / sum[1];
-  PetscCall(StrainTensionMatrix(p, cells, &K));
-  PetscCall(VelocityRowsDivide(p, mass, -flow->clock->dt / (scene->rho * scene->nu), K));
-  if (SceneViscosityVaries(scene) && p->dim == 2) {
-    PetscCall(PetscObjectReference((PetscObject)K));
-    flow->ops->cut_part[0] = visc->A;
-    flow->ops->cut_part[1] = K;
-    PetscCall(MatDuplicate(flow->ops->cut_part[0], MAT_COPY_VALUES, &visc->A));
-  }
-  PetscCall(AddMatrix(K, &visc->A));
-  PetscCall(MatDestroy(&K));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -309,7 +309,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   const PetscInt   d = p->dim, terms = d + 1;
   Around           around = {.dim = p->dim};
   Candidates       from   = {.n = 0};
-  PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, R2;
+  PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, w[2 * ISPH_MAX_DIM], sum = 0.0, R2;
 
   PetscFunctionBegin;
   for (PetscInt pass = 0; pass < 2 && !from.n; pass++) { /* dry walls if there are no others */
@@ -325,6 +325,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   FindAround(&from, x, PETSC_INFINITY, &around);
   if (around.n > 2 * d) around.n = 2 * d;
   R2 = around.n ? 1.2 * around.r2[around.at[around.n - 1]] : 0.0;
+  R2 = PetscMax(R2, PETSC_SMALL * PetscSqr(p->dx[0])); /* a single wall may be at the place */
   for (PetscInt i = 0; i < around.n; i++) {
     const PetscInt  k = around.at[i];
     const PetscReal W = 1.0 - around.r2[k] / R2;
@@ -338,11 +339,14 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   DenseCholeskySolve(terms, factor, c);
   for (PetscInt i = 0; i < around.n; i++) {
     const PetscInt k = around.at[i];
-    PetscReal      w = c[0];
 
-    for (PetscInt a = 0; a < d; a++) w += c[1 + a] * around.s[a][k] / PetscSqrtReal(R2);
-    PetscCall(AddEntry(around.j[k], w * (1.0 - around.r2[k] / R2), rows));
+    w[i] = c[0];
+    for (PetscInt a = 0; a < d; a++) w[i] += c[1 + a] * around.s[a][k] / PetscSqrtReal(R2);
+    w[i] *= 1.0 - around.r2[k] / R2;
+    sum += w[i];
   }
+  for (PetscInt i = 0; i < around.n; i++) /* a single wall has a slope by the ridge: sums are 1 */
+    PetscCall(AddEntry(around.j[around.at[i]], w[i] / sum, rows));
   PetscCall(EndRow(rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
