@@ -49,11 +49,9 @@ typedef struct {
 
 /* Volume that enters and leaves through openings; see src/motion/openings.c. */
 typedef struct {
-  PetscBool  open;                  /* particles can enter or leave */
-  PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
-                                       an inflow (field); NULL without inflow [m] */
-  PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
-  PetscReal  room; /* volume of a box that fluid enters and cannot leave; 0: another box [m^dim] */
+  PetscBool open;                  /* particles can enter or leave */
+  PetscReal volume_in, volume_out; /* of particles, so far [m^dim] */
+  PetscReal room; /* volume of a box that fluid enters and cannot leave; 0: another box [m^dim] */
 } Openings;
 
 /* Velocity and pressure on the particles. Fields follow the particles through migration, restart

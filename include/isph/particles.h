@@ -83,8 +83,10 @@ typedef struct {
   PetscReal *x_epoch[ISPH_MAX_DIM];          /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                /* of wall particles below the surface [m] (field) */
-  PetscReal *side; /* of wall particles: number of the wall, a whole number (field) */
-  PetscReal *dx;   /* spacing of each particle (field); h = h_over_dx dx [m] */
+  PetscReal *side;    /* of wall particles: number of the wall, a whole number (field) */
+  PetscReal *entered; /* of wall particles on an inflow: length of the fluid there since the last
+                         particle (field); NULL: there is none [m] */
+  PetscReal *dx;      /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */
   PetscReal *work; /* of own fluid beyond that of a particle inside it, a whole number (field): the

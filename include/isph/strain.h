@@ -141,8 +141,10 @@ PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *particles,
                                 PetscReal *const gradient[]);
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *particles,
                             const StrainCells *cells, PetscInt fluid, PetscInt piece[]);
-PetscBool      StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
-                           PetscReal *volume);
+PetscBool StrainWaits(const Scene *scene, const Particles *particles, PetscInt w, PetscReal x[],
+                      PetscReal *length);
+PetscBool StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
+                      PetscReal *volume);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
 #endif

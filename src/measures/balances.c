@@ -9,6 +9,7 @@
   and (379).
 */
 #include "isph/balance.h"
+#include "isph/strain.h"
 #include "monitors.h"
 
 #define BESIDE 0.51 /* places beside the middle of a facet [its width] */
@@ -135,6 +136,25 @@ static PetscErrorCode AddLedger(const Flow *flow, const Ledger *own, Ledger *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the body force of fluid that has entered since the last particles. */
+static void AddWaiting(const Flow *flow, Ledger *l)
+{
+  const Particles *p               = flow->particles;
+  const Scene     *scene           = flow->scene;
+  PetscReal        x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, length;
+
+  for (PetscInt w = p->n_fluid; flow->ops->cut_surface && w < ParticlesOwn(p); w++) {
+    if (!StrainWaits(scene, p, w, x, &length)) continue;
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
+    for (PetscInt a = 0; a < p->dim; a++) {
+      x[a] += 0.5 * length * p->normal[a][w];
+      f[a] *=
+          -scene->rho * p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[w] / 2);
+    }
+    AddForce(p->dim, x, f, l);
+  }
+}
+
 /* Adds inertia and body force of the fluid. In a turning frame inertia is d/dt int rho u dV in its
    axes plus w z x int rho u dV, and the same of angular momenta. In a full box the volumes of the
    particles are scaled to that inside the boundaries: particles beside curved walls have parts of
@@ -177,6 +197,7 @@ static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
     AddForce(p->dim, x, f, &weight);
   }
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(rate[a]));
+  AddWaiting(flow, &weight);
   PetscCall(AddLedger(flow, &weight, l));
   PetscCall(AddLedger(flow, &inertia, l));
   PetscFunctionReturn(PETSC_SUCCESS);

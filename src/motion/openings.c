@@ -76,7 +76,8 @@ PetscErrorCode OpeningsRegister(Flow *flow)
   PetscFunctionBegin;
   if (!o->open || !SceneHasBoundary(flow->scene, BOUNDARY_INFLOW))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ParticlesRegister(flow->particles, "entered", 1, HALO_NONE, ENTRY_ZERO, &o->entered));
+  PetscCall(ParticlesRegister(flow->particles, "entered", 1, HALO_NONE, ENTRY_ZERO,
+                              &flow->particles->entered));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +120,7 @@ static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
   const Particles *p               = flow->particles;
   const PetscInt   side            = (PetscInt)p->side[w];
   const PetscReal  length          = SceneCellSide(scene, side / 2);
-  PetscReal       *entered         = &flow->state->openings.entered[w];
+  PetscReal       *entered         = &p->entered[w];
   PetscReal        x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], part;
 
   PetscFunctionBegin;
@@ -198,7 +199,7 @@ PetscErrorCode OpeningsPass(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(RemoveLeft(flow, &left));
-  for (PetscInt w = p->n_fluid; o->entered && w < ParticlesOwn(p); w++) {
+  for (PetscInt w = p->n_fluid; p->entered && w < ParticlesOwn(p); w++) {
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));
   }

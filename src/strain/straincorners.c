@@ -346,11 +346,12 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
 {
   Cells     cells = {0};
   PetscInt *list;
-  PetscReal tau, *C, own = 0.0;
+  PetscReal tau, *C, own = 0.0, x[ISPH_MAX_DIM] = {0.0}, length;
   Volumes   of = {.scene = scene, .l = l, .corners = corners, .fluid = -1};
 
   PetscFunctionBegin;
   PetscCall(CheckInside(scene, p));
+  if (p->entered) PetscCall(ParticlesHaloField(p, p->entered));
   PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &cells));
   PetscCall(PetscMalloc2(cells.n + 1, &list, corners->all, &C));
   for (PetscInt k = 0; k < corners->all; k++) {
@@ -363,6 +364,9 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   }
   of.C = C;
   for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
+  for (PetscInt w = p->n_fluid; w < ParticlesOwn(p); w++)
+    if (StrainWaits(scene, p, w, x, &length))
+      own += p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[w] / 2);
   PetscCall(FindLevel(p, own, LEVEL_LOW, LEVEL_HIGH, &of, &tau));
   PetscCall(FindDry(scene, p, &cells, tau, list, &corners->dry));
   PetscCall(PetscFree2(list, C));

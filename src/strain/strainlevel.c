@@ -106,6 +106,61 @@ static void FindWalls(const Scene *scene, PetscReal R, const PetscReal x[], Wall
   }
 }
 
+/* Returns the walls of `walls->plane`, as bits, in which a particle at the offset X from x has a
+   mirror image. Beside an edge of a body the plane goes on where the body does not: images fill
+   bodies, not the fluid or the void beyond, which the level would enter. Fluid that waits at an
+   inflow takes the place of images there. */
+static PetscInt ImagesOf(const Scene *scene, const WallsAround *walls, const PetscReal x[],
+                         const PetscReal X[])
+{
+  PetscInt in = 0;
+
+  for (PetscInt k = 0; k < walls->n; k++) {
+    const WallPlane *plane = &walls->plane[k];
+    const Body      *body  = BoundaryBody(scene, plane->side);
+    PetscReal        y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], height = plane->distance;
+
+    for (PetscInt a = 0; a < scene->dim; a++) height += X[a] * plane->normal[a];
+    for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a] + X[a] - 2.0 * height * plane->normal[a];
+    SceneIntoBox(scene, y);
+    if (body ? height > 0.0 && BodyDistance(scene, body, y, normal) <= 0.0
+             : !BoundaryIsOpen(scene, plane->side, y))
+      in |= 1 << k;
+  }
+  return in;
+}
+
+/* StrainWaits - Returns true if fluid enters at wall particle w. Not collective. Output: x - its
+   place on the inflow [m]; length - of the fluid there since the last particle [m]. */
+PetscBool StrainWaits(const Scene *scene, const Particles *p, PetscInt w, PetscReal x[],
+                      PetscReal *length)
+{
+  if (!p->entered || !ParticlesIsWall(p, w) || p->depth[w] > p->dx[w]) return PETSC_FALSE;
+  ParticlesWallPoint(p, w, x);
+  *length = p->entered[w];
+  return BoundaryOpenPart(scene, (PetscInt)p->side[w], x) > 0.0;
+}
+
+/* Sets body m of fluid that particle j stands for: its own or, if it is a wall particle of an
+   inflow, the m-th of those that wait there, see openings.c. Returns false past the last. Output:
+   X - offset from x [m]; volume [m^dim]. */
+static PetscBool BodyOf(const Scene *scene, const Particles *p, PetscInt j, PetscInt m,
+                        const PetscReal x[], PetscReal X[], PetscReal *volume)
+{
+  PetscReal at[ISPH_MAX_DIM] = {0.0}, way;
+
+  if (ParticlesIsWall(p, j)) {
+    if (!StrainWaits(scene, p, j, at, &way)) return PETSC_FALSE;
+    way -= (m + 0.5) * SceneCellSide(scene, (PetscInt)p->side[j] / 2);
+    *volume = p->cell_volume * BoundaryOpenPart(scene, (PetscInt)p->side[j], at);
+    for (PetscInt a = 0; a < p->dim; a++) X[a] = at[a] + way * p->normal[a][j] - x[a];
+    return way > -LEVEL_REACH * scene->dx;
+  }
+  for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - x[a];
+  *volume = p->volume[j];
+  return m == 0;
+}
+
 /* Returns the concentration with the parts behind walls. Input: C - with mirror images only. */
 static PetscReal WithAngles(const WallsAround *walls, PetscReal C)
 {
@@ -127,14 +182,16 @@ PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const
   if (!n) PetscFunctionReturn(PETSC_SUCCESS);
   FindWalls(scene, R, x, &walls);
   for (PetscInt q = 0; q < n; q++) {
-    const PetscInt j = list[q];
-    PetscReal      X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM];
+    PetscReal X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], volume;
 
-    if (ParticlesIsWall(p, j)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - x[a];
-    for (PetscInt set = 0; set < 1 << walls.n; set++) {
-      MirrorImage(p->dim, walls.n, walls.plane, set, X, Y);
-      *C += p->volume[j] * WeightAt(p->dim, R, Y);
+    for (PetscInt m = 0; BodyOf(scene, p, list[q], m, x, X, &volume); m++) {
+      const PetscInt in = ImagesOf(scene, &walls, x, X);
+
+      for (PetscInt set = 0; set < 1 << walls.n; set++) {
+        if (set & ~in) continue;
+        MirrorImage(p->dim, walls.n, walls.plane, set, X, Y);
+        *C += volume * WeightAt(p->dim, R, Y);
+      }
     }
   }
   if (*C > 0.0) *C = WithAngles(&walls, *C);
@@ -171,21 +228,23 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
   PetscCall(CellsFind(cells, x, R, cells->n, list, n));
   FindWalls(scene, R, x, &walls);
   for (PetscInt q = 0; q < *n; q++) {
-    const PetscInt j = list[q];
-    PetscReal      X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], of[ISPH_MAX_DIM];
+    PetscReal X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], of[ISPH_MAX_DIM], volume;
 
     for (PetscInt a = 0; a < d; a++) slope[q * d + a] = 0.0;
-    if (ParticlesIsWall(p, j)) continue;
-    for (PetscInt a = 0; a < d; a++) X[a] = p->x[a][j] - x[a];
-    for (PetscInt set = 0; set < 1 << walls.n; set++) {
-      PetscReal by[ISPH_MAX_DIM] = {0.0};
+    for (PetscInt m = 0; BodyOf(scene, p, list[q], m, x, X, &volume); m++) {
+      const PetscInt in = ImagesOf(scene, &walls, x, X);
 
-      MirrorImage(d, walls.n, walls.plane, set, X, Y);
-      AddSlope(d, R, Y, p->volume[j] / (1.0 - walls.behind[1]), by);
-      C += p->volume[j] * WeightAt(d, R, Y);
-      MirrorImage(d, walls.n, walls.turn, set, by, of);
-      for (PetscInt a = 0; a < d; a++) gradient[a] -= by[a];
-      for (PetscInt a = 0; a < d; a++) slope[q * d + a] += of[a];
+      for (PetscInt set = 0; set < 1 << walls.n; set++) {
+        PetscReal by[ISPH_MAX_DIM] = {0.0};
+
+        if (set & ~in) continue;
+        MirrorImage(d, walls.n, walls.plane, set, X, Y);
+        AddSlope(d, R, Y, volume / (1.0 - walls.behind[1]), by);
+        C += volume * WeightAt(d, R, Y);
+        MirrorImage(d, walls.n, walls.turn, set, by, of);
+        for (PetscInt a = 0; a < d; a++) gradient[a] -= by[a];
+        for (PetscInt a = 0; a < d; a++) slope[q * d + a] += of[a];
+      }
     }
   }
   *value = C / (1.0 - walls.behind[1]);

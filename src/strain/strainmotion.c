@@ -120,7 +120,7 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
   for (PetscInt v = 0; v < s->n_corners; v++) {
     PetscInt  n, wall;
     PetscReal x[ISPH_MAX_DIM], rest[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], way[ISPH_MAX_DIM];
-    PetscReal C = 0.0, size = PETSC_MACHINE_EPSILON;
+    PetscReal C = 0.0, size = PETSC_MACHINE_EPSILON, at[ISPH_MAX_DIM] = {0.0}, length;
 
     for (PetscInt a = 0; a < d; a++) x[a] = points->x[a][s->first + v];
     if (s->on_level[v]) PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal, &C));
@@ -141,7 +141,8 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
       const PetscInt   j  = q < n ? list[q] : wall;
       const PetscReal *of = q < n ? &slope[q * d] : rest;
 
-      if (j < 0 || ParticlesIsWall(p, j) != (q == n)) continue;
+      if (j < 0 || (q == n && !ParticlesIsWall(p, j))) continue;
+      if (q < n && ParticlesIsWall(p, j) && !StrainWaits(scene, p, j, at, &length)) continue;
       PetscCall(EntryOf(j, &s->motion, place, &w));
       for (PetscInt k = 0; k < d * d; k++) w[k] += way[k / d] * of[k % d] / (q < n ? size : 1.0);
       for (PetscInt a = 0; a < d && q < n; a++) rest[a] -= of[a] / size;

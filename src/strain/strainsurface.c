@@ -446,7 +446,17 @@ PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *p, const Ne
     for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
       const PetscInt j = q < nb->row[i] ? i : nb->col[q];
 
-      if (ParticlesIsWall(p, j)) continue;
+      if (ParticlesIsWall(p, j)) {
+        PetscReal x[ISPH_MAX_DIM] = {0.0}, length;
+
+        if (!StrainWaits(scene, p, j, x, &length)) continue;
+        for (PetscInt a = 0; a < p->dim; a++)
+          X[a] = x[a] + 0.5 * length * p->normal[a][j] - p->x[a][i];
+        AddKernel(kernel, p->dim, X,
+                  p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[j] / 2),
+                  &value[i], g);
+        continue;
+      }
       for (PetscInt a = 0; a < p->dim; a++) X[a] = p->x[a][j] - p->x[a][i];
       AddKernel(kernel, p->dim, X, p->volume[j], &value[i], g);
     }
