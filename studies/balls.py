@@ -10,6 +10,8 @@ GREY, FLOOR, EDGE = (0.62, 0.62, 0.64), (0.93, 0.93, 0.92), (0.45, 0.45, 0.45)
 BALL, SOLID, GROUND, LINE = 0, 1, 2, 3  # contents of a pixel
 LIGHT = np.array([-0.55, 1.2, 0.75])  # to the right of the camera, up, towards it
 SHADE, AMBIENT = 0.35, 0.5  # of light in a shadow; of light that has no direction
+PART = 16384  # points whose distances are computed together
+BLOCKS = 16, 4, 1  # sides of the blocks that seek bodies together [pixels]
 
 
 def view(azimuth, elevation):
@@ -28,7 +30,9 @@ def frame(towards):
 
 
 def solid_distance(solids, x):
-    """Returns the signed distance of points from bodies, positive outside."""
+    """Returns the signed distance of points from bodies, positive outside; parts of the points fit into the cache."""
+    if len(x) > PART:
+        return np.concatenate([solid_distance(solids, x[k : k + PART]) for k in range(0, len(x), PART)])
     nearest = np.full(len(x), np.inf)
     for shape, numbers, ends, around in solids:
         if around:
@@ -80,12 +84,12 @@ class Buffer:
         self.normal[cell] = self.points(self.depth)[cell] - x[self.ball[cell]]
         self.normal[cell] /= radius[self.ball[cell], None]
 
-    def points(self, depth):
-        """Returns the points of space of all pixels at a depth."""
-        row, column = np.indices(self.shape)
+    def points(self, depth, block=1):
+        """Returns the points of space of all pixels, or of the middles of blocks of pixels, at a depth."""
+        row, column = np.indices([-(-n // block) for n in self.shape])
         depth = np.where(np.isfinite(depth), depth, self.far)
-        place = np.stack([self.low[0] + (column + 0.5) * self.pixel, self.low[1] + (row + 0.5) * self.pixel,
-                          np.broadcast_to(depth, self.shape)], axis=-1)
+        place = np.stack([self.low[0] + (column + 0.5) * block * self.pixel, self.low[1] + (row + 0.5) * block * self.pixel,
+                          np.broadcast_to(depth, row.shape)], axis=-1)
         return place @ self.axes
 
     def put(self, pixels, depth, what, normal):
@@ -94,22 +98,29 @@ class Buffer:
         self.depth[nearer], self.what[nearer], self.normal[nearer] = depth[nearer], what, normal[nearer]
 
     def bodies(self, solids):
-        """Draws bodies."""
-        x = self.points(self.nearest).reshape(-1, 3)
-        depth, hit = np.full(len(x), self.nearest), np.zeros(len(x), bool)
-        left = np.arange(len(x))
-        while len(left):
-            distance = solid_distance(solids, x[left] - (self.nearest - depth[left])[:, None] * self.axes[2])
-            hit[left[distance < 0.5 * self.pixel]] = True
-            depth[left] -= np.maximum(distance, 0.5 * self.pixel)
-            left = left[(distance >= 0.5 * self.pixel) & (depth[left] > self.far)]
-        x -= (self.nearest - depth)[:, None] * self.axes[2]
+        """Draws bodies. Blocks of pixels advance together as long as no body is within reach of their corners."""
+        depth = np.full([-(-n // BLOCKS[0]) for n in self.shape], self.nearest)
+        for coarse, block in zip((BLOCKS[0], *BLOCKS), BLOCKS):
+            x = self.points(self.nearest, block)
+            depth = depth.repeat(coarse // block, 0).repeat(coarse // block, 1)[: len(x), : x.shape[1]].ravel()
+            corner = (block - 1) * self.pixel / 2**0.5
+            shape, x, hit = x.shape[:2], x.reshape(-1, 3), np.zeros(len(depth), bool)
+            left = np.flatnonzero(depth > self.far)
+            while len(left):
+                distance = solid_distance(solids, x[left] - (self.nearest - depth[left])[:, None] * self.axes[2]) - corner
+                ends = distance < max(corner, 0.5 * self.pixel)
+                hit[left[ends]] = True
+                left, distance = left[~ends], distance[~ends]
+                depth[left] -= distance
+                left = left[depth[left] > self.far]
+            depth = depth.reshape(shape)
+        x -= (self.nearest - depth).reshape(-1, 1) * self.axes[2]
         normal = np.zeros_like(x)
         step = 1.5 * self.pixel
         for a, e in enumerate(np.eye(3)):
             normal[hit, a] = solid_distance(solids, x[hit] + step * e) - solid_distance(solids, x[hit] - step * e)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-        self.put(hit.reshape(self.shape), depth.reshape(self.shape), SOLID, normal.reshape(*self.shape, 3))
+        self.put(hit.reshape(self.shape), depth, SOLID, normal.reshape(*self.shape, 3))
 
     def floor(self, lo, hi):
         """Draws the floor of the box."""

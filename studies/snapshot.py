@@ -1,4 +1,5 @@
 """Reads snapshots of isph as fields for drawing: particles, and the part of the plane that is fluid."""
+import functools
 import sys
 
 import h5py
@@ -29,16 +30,18 @@ class Body:
             distance = abs(r - middle) - (self.outer - middle)
             nearest = self.centre + arm * (np.where(r > middle, self.outer, self.inner) / r)[:, None]
         else:
-            distance, nearest, inside = np.full(len(x), np.inf), np.zeros_like(x), np.zeros(len(x), bool)
+            (across, up), nearest = np.ascontiguousarray(x.T), np.zeros_like(x.T)
+            distance, inside = np.full(len(x), np.inf), np.zeros(len(x), bool)
             for a, b in zip(self.corners, np.roll(self.corners, -1, axis=0)):
-                along = np.clip((x - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
-                foot = a + along[:, None] * (b - a)
-                d = np.linalg.norm(x - foot, axis=1)
-                nearest[d < distance] = foot[d < distance]
-                distance = np.minimum(d, distance)
-                if a[1] != b[1]:
-                    beside = x[:, 0] < a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-                    inside ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & beside
+                edge = b - a
+                along = np.clip(((across - a[0]) * edge[0] + (up - a[1]) * edge[1]) / (edge @ edge), 0, 1)
+                foot = a[0] + along * edge[0], a[1] + along * edge[1]
+                square = (across - foot[0]) ** 2 + (up - foot[1]) ** 2
+                np.copyto(nearest, foot, where=square < distance)
+                distance = np.minimum(square, distance)
+                if edge[1]:
+                    inside ^= ((a[1] > up) != (b[1] > up)) & (across < a[0] + (up - a[1]) / edge[1] * edge[0])
+            distance, nearest = distance**0.5, nearest.T
             distance = np.where(inside, -distance, distance)
         return (-distance if self.around else distance), nearest
 
@@ -93,9 +96,17 @@ class Snapshot:
             (x >= lo - margin) & (x <= hi + margin), axis=1)
         x, u = x[inside], u[inside, :2]
         _, distinct = np.unique(np.round(x / (1e-6 * dx)), axis=0, return_index=True)
-        x, u = x[distinct], u[distinct]
-        self.triangles, self.velocity = tri.Triangulation(x[:, 0], x[:, 1]), u.T
-        self.inside = self.surface() if self.free else None
+        self.corners, self.velocity = x[distinct], u[distinct].T
+
+    @functools.cached_property
+    def triangles(self):
+        """Returns the triangles between the particles; pictures of space need none, and a layer may have too few for one."""
+        return tri.Triangulation(*self.corners.T)
+
+    @functools.cached_property
+    def inside(self):
+        """Returns the function of the free surface, or None."""
+        return self.surface() if self.free else None
 
     def read_bodies(self, file, x):
         """Returns the sections of all bodies at the middle of z, and which particles are in the layer there."""

@@ -76,41 +76,58 @@ static void ReadBody(const char text[], Scene *scene, Body *body)
   assert_true(given);
 }
 
-static void Make(size_t k, PetscBool around, Scene *scene, Body *body)
+static struct {
+  Scene scene;
+  Body  body;
+} made[PETSC_STATIC_ARRAY_LENGTH(samples)];
+
+/* Makes all samples once: moments and points of solids take most of the time of these tests. */
+static int MakeAll(void **state)
 {
-  ASSERT_OK(PetscMemzero(scene, sizeof(*scene)));
-  scene->dim   = samples[k].dim;
-  scene->dx    = Fine(k);
-  scene->lo[2] = scene->dim == 3 ? -0.4 : 0.0;
-  scene->hi[2] = scene->dim == 3 ? 0.6 : 0.0;
-  SceneSetSides(scene, &BoundaryWall);
-  ReadBody(samples[k].shape, scene, body);
-  body->around = around;
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    Scene *scene = &made[k].scene;
+
+    scene->dim   = samples[k].dim;
+    scene->dx    = Fine(k);
+    scene->lo[2] = scene->dim == 3 ? -0.4 : 0.0;
+    scene->hi[2] = scene->dim == 3 ? 0.6 : 0.0;
+    SceneSetSides(scene, &BoundaryWall);
+    ReadBody(samples[k].shape, scene, &made[k].body);
+  }
+  return 0;
+}
+
+static int FreeAllShapes(void **state)
+{
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++)
+    ASSERT_OK(SceneFreeShapes(&made[k].scene));
+  return 0;
 }
 
 static void test_surface(void **state)
 {
   (void)state;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
-    const PetscReal dx  = Fine(k);
-    PetscReal       sum = 0.0;
-    Scene           scene;
-    Body            body;
+    const Scene    *scene  = &made[k].scene;
+    const Body     *body   = &made[k].body;
+    const PetscReal dx     = Fine(k);
+    const PetscInt  points = BodyPoints(body, dx);
+    PetscReal       sum    = 0.0;
 
-    Make(k, PETSC_FALSE, &scene, &body);
-    for (PetscInt q = 0; q < BodyPoints(&body, dx); q++) {
+    for (PetscInt q = 0; q < points; q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], out[ISPH_MAX_DIM], found[ISPH_MAX_DIM];
 
-      sum += BodyPoint(&body, q, dx, x, normal);
+      sum += BodyPoint(body, q, dx, x, normal);
       CloudAssertNone("on the surface", samples[k].shape,
-                      PetscAbsReal(BodyDistance(&scene, &body, x, found)) > 1e-12);
+                      PetscAbsReal(BodyDistance(scene, body, x, found)) > 1e-12);
       for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) out[a] = x[a] + 1e-3 * normal[a];
       CloudAssertNone("normal outward", samples[k].shape,
-                      PetscAbsReal(BodyDistance(&scene, &body, out, found) - 1e-3) > 1e-9);
+                      PetscAbsReal(BodyDistance(scene, body, out, found) - 1e-3) > 1e-9);
     }
     CloudAssertNone("perimeter or area", samples[k].shape,
                     PetscAbsReal(sum / samples[k].surface - 1.0) > samples[k].close);
-    ASSERT_OK(SceneFreeShapes(&scene));
   }
 }
 
@@ -118,19 +135,18 @@ static void test_surface(void **state)
    an ellipsoid, in the axes of which they are m a^2/4 and m a^2/5. */
 static void test_moments(void **state)
 {
-  Scene       scene;
-  Body        body;
   BodyMoments m;
 
   (void)state;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
-    Make(k, PETSC_FALSE, &scene, &body);
-    BodyFindMoments(&body, &m);
+    const Body *body = &made[k].body;
+
+    BodyFindMoments(body, &m);
     CloudAssertNone("volume", samples[k].shape,
                     PetscAbsReal(m.volume / samples[k].volume - 1.0) > samples[k].close);
-    for (PetscInt a = 0; a < 2 && !body.shape->round; a++)
+    for (PetscInt a = 0; a < 2 && !body->shape->round; a++)
       CloudAssertNone("centroid", samples[k].shape,
-                      PetscAbsReal(m.centroid[a] - body.centre[a]) > samples[k].close);
+                      PetscAbsReal(m.centroid[a] - body->centre[a]) > samples[k].close);
     if (k == 6) {
       const PetscReal c = 0.75, s = 0.25, big = 0.24 * PETSC_PI * 0.16,
                       small = 0.0225 * 0.24 * PETSC_PI;
@@ -141,9 +157,9 @@ static void test_moments(void **state)
     }
     if (!strncmp(samples[k].shape, "ellipsoid", 9))
       for (PetscInt a = 0; a < 3; a++)
-        assert_true(PetscAbsReal(m.second[a][a] * 5.0 / m.volume / PetscSqr(body.parameter[3 + a]) -
-                                 1.0) < 1e-3);
-    ASSERT_OK(SceneFreeShapes(&scene));
+        assert_true(
+            PetscAbsReal(m.second[a][a] * 5.0 / m.volume / PetscSqr(body->parameter[3 + a]) - 1.0) <
+            1e-3);
   }
 }
 
@@ -152,31 +168,29 @@ static void test_span(void **state)
 {
   (void)state;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    const Body     *body              = &made[k].body;
     const PetscReal dx                = Fine(k);
+    const PetscInt  points            = BodyPoints(body, dx);
     PetscReal       low[ISPH_MAX_DIM] = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL},
               high[ISPH_MAX_DIM]      = {-PETSC_MAX_REAL, -PETSC_MAX_REAL, -PETSC_MAX_REAL};
-    Scene scene;
-    Body  body;
 
-    Make(k, PETSC_FALSE, &scene, &body);
-    for (PetscInt q = 0; q < BodyPoints(&body, dx); q++) {
+    for (PetscInt q = 0; q < points; q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-      (void)BodyPoint(&body, q, dx, x, normal);
-      for (PetscInt a = 0; a < scene.dim; a++) {
+      (void)BodyPoint(body, q, dx, x, normal);
+      for (PetscInt a = 0; a < samples[k].dim; a++) {
         low[a]  = PetscMin(low[a], x[a]);
         high[a] = PetscMax(high[a], x[a]);
       }
     }
-    for (PetscInt a = 0; a < scene.dim; a++) {
+    for (PetscInt a = 0; a < samples[k].dim; a++) {
       PetscReal span[2];
 
-      BodySpan(&body, a, span);
+      BodySpan(body, a, span);
       CloudAssertNone("span", samples[k].shape,
                       span[0] > low[a] + 1e-12 || span[1] < high[a] - 1e-12 ||
                           (!samples[k].bound && (span[0] < low[a] - dx || span[1] > high[a] + dx)));
     }
-    ASSERT_OK(SceneFreeShapes(&scene));
   }
 }
 
@@ -244,32 +258,31 @@ static void test_distance(void **state)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
     for (PetscInt around = 0; around < 2; around++) {
       const PetscReal dx = Fine(k), step = 1e-6;
-      Scene           scene;
-      Body            body;
+      const Scene    *scene = &made[k].scene;
+      Body            body  = made[k].body;
       PetscReal      *places;
       PetscInt        points;
 
-      Make(k, around ? PETSC_TRUE : PETSC_FALSE, &scene, &body);
-      places = Places(&body, dx, &points);
+      body.around = around ? PETSC_TRUE : PETSC_FALSE;
+      places      = Places(&body, dx, &points);
       for (PetscInt q = 0; q < 60; q++) {
         PetscReal x[ISPH_MAX_DIM] = {0.0}, n[ISPH_MAX_DIM], m[ISPH_MAX_DIM], d, near;
 
-        for (PetscInt a = 0; a < scene.dim; a++)
+        for (PetscInt a = 0; a < scene->dim; a++)
           x[a] = body.centre[a] + 1.6 * body.extent * ParticlesHash(5, q, a);
         if (BodyReachesThrough(&body, 2)) x[2] = 0.1 + 0.4 * ParticlesHash(5, q, 2);
-        d    = BodyDistance(&scene, &body, x, n);
+        d    = BodyDistance(scene, &body, x, n);
         near = Nearest(points, places, x);
         CloudAssertNone("distance", samples[k].shape,
                         PetscAbsReal(d) - near > 0.8 * dx ||
                             (!samples[k].bound && near - PetscAbsReal(d) > 0.8 * dx));
         CloudAssertNone("distance within a bound", samples[k].shape,
-                        BodyDistanceWithin(&scene, &body, x, 0.1, m) != d && d <= 0.1);
-        for (PetscInt a = 0; a < scene.dim; a++) x[a] += step * n[a];
+                        BodyDistanceWithin(scene, &body, x, 0.1, m) != d && d <= 0.1);
+        for (PetscInt a = 0; a < scene->dim; a++) x[a] += step * n[a];
         CloudAssertNone("normal is the distance's gradient", samples[k].shape,
-                        PetscAbsReal(BodyDistance(&scene, &body, x, m) - d - step) > 1e-3 * step);
+                        PetscAbsReal(BodyDistance(scene, &body, x, m) - d - step) > 1e-3 * step);
       }
       ASSERT_OK(PetscFree(places));
-      ASSERT_OK(SceneFreeShapes(&scene));
     }
   }
 }
@@ -382,6 +395,6 @@ int main(int argc, char **argv)
   int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
-  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  failed = cmocka_run_group_tests(tests, MakeAll, FreeAllShapes);
   return PetscFinalize() || failed ? 1 : 0;
 }

@@ -118,11 +118,12 @@ PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
                         PetscReal place[ISPH_MAX_DIM])
 {
-  PetscReal thinnest = limit;
-  Body      typed    = *body;
+  const PetscInt points   = body->around ? 0 : BodyPoints(body, dx);
+  PetscReal      thinnest = limit;
+  Body           typed    = *body;
 
   typed.pose = NULL;
-  for (PetscInt k = 0; !body->around && k < BodyPoints(body, dx); k++) {
+  for (PetscInt k = 0; k < points; k++) {
     PetscReal x[ISPH_MAX_DIM], out[ISPH_MAX_DIM], y[ISPH_MAX_DIM], other[ISPH_MAX_DIM] = {0.0};
     PetscReal beyond = -1.0;
 
@@ -170,8 +171,10 @@ PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], P
 static void Sum(const Body *body, PetscInt dim, const PetscReal about[], PetscReal dx,
                 PetscReal sum[10])
 {
+  const PetscInt points = body->shape->Count(body, dx);
+
   for (PetscInt e = 0; e < 10; e++) sum[e] = 0.0;
-  for (PetscInt k = 0; k < body->shape->Count(body, dx); k++) {
+  for (PetscInt k = 0; k < points; k++) {
     PetscReal       x[3] = {0.0}, n[3] = {0.0}, out = 0.0;
     const PetscReal area = body->shape->Point(body, k, dx, x, n);
 

@@ -311,9 +311,10 @@ static void FillParts(const Body *body, SurfacePoints *points)
   const Border *border = &((const Solid *)body->data)->border;
 
   for (PetscInt k = 0; k < border->parts; k++) {
-    const Body *part = &border->part[k];
+    const Body    *part = &border->part[k];
+    const PetscInt n_of = part->shape->Count(part, points->dx);
 
-    for (PetscInt q = 0; q < part->shape->Count(part, points->dx); q++) {
+    for (PetscInt q = 0; q < n_of; q++) {
       PetscReal       x[3] = {0.0}, n[3] = {0.0};
       const PetscReal area = part->shape->Point(part, q, points->dx, x, n);
 
