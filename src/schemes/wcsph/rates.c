@@ -291,9 +291,10 @@ PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
   const PetscReal t = w->t, divergence = w->divergence;
   const PetscBool first = w->first_stage;
   const PetscInt  n = flow->particles->n_fluid, d = flow->scene->dim;
-  PetscReal      *rates;
+  PetscReal      *rates, *of[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;
+  WcsphComponents(w, of); /* their number: a restarted run may be measured before its first step */
   PetscCall(PetscCalloc1(w->components * n, &rates));
   PetscCall(WcsphReserve(w->flow, w));
   for (PetscInt a = 0; a < d; a++)
