@@ -4,6 +4,8 @@ forces; its exact flows beside published tables; its page.
 
     bodies.py STUDY ISPH"""
 import csv
+import importlib.machinery
+import importlib.util
 import os
 import subprocess
 import sys
@@ -20,15 +22,15 @@ for h, kind, load in ((1.1, "along", 28.330185), (1.1, "towards", 465.930829), (
     _, _, error, found = bodies_exact.cylinder(h, kind)
     assert error < 1e-11 and abs(found / load - 1) < 1e-7, (h, kind, error, found)
 for h, drag in ((1.4, 3.73562), (1.2, 6.34089)):
-    found = bodies_exact.Ball(h, 24, 64).drag
+    found = bodies_exact.Ball(h, 16, 40).drag
     assert abs(found / drag - 1) < 1e-5, (h, found)
 
 subprocess.run([sys.executable, study, "--isph", isph, "--out", os.getcwd(), "--only",
-                r"rest (circle|triangle)[^-]*, n|cylinder .* 0.5, n = 16|oscillating beta = 35, the surface, n = 16"],
+                r"rest (circle|triangle)[^-]*, n|cylinder .* 0.5, n = 16"],
                check=True, stdout=subprocess.DEVNULL)
 with open("bodies.csv", newline="", encoding="utf-8") as file:
     rows = list(csv.DictReader(file))
-assert len(rows) == 8, len(rows)
+assert len(rows) == 7, len(rows)
 for row in rows:  # a tenth of a per cent at rest; three to ten times the errors measured elsewhere
     bound = 1e-3 if row["section"] == "rest" else 5e-3
     exact, force = float(row["exact"]), float(row["force"])
@@ -38,3 +40,10 @@ for row in rows:  # a tenth of a per cent at rest; three to ten times the errors
         assert float(row["traction"]) < 1e-3 * abs(exact), row
 with open("bodies.md", encoding="utf-8") as file:
     assert "| cylinder | towards, 0.5 | 16 |" in file.read()
+
+# The page has 200 steps a period, 0.2 %; half of them err by 0.3 %.
+loader = importlib.machinery.SourceFileLoader("bodies_study", study)
+module = importlib.util.module_from_spec(importlib.util.spec_from_loader("bodies_study", loader))
+loader.exec_module(module)
+exact, force, _, bar, _, _ = module.oscillating(isph, 35, 16, 100)
+assert abs(force - exact) < 5e-3 * exact and bar < 1e-2 * exact, (exact, force, bar)

@@ -24,6 +24,7 @@ Output that is shown is compared word by word. Numbers may differ by 2 %, by two
 by any amount in lines with times of the computer or about a flow that diverged.
 """
 import csv
+import functools
 import glob
 import os
 import re
@@ -321,6 +322,7 @@ exit 0
 """
 
 
+@functools.cache
 def drawing_python():
     """Returns the first Python that can draw, or None."""
     for python in (sys.executable, "/usr/bin/python3"):
@@ -472,9 +474,10 @@ def check_shown(isph, names, alone=False):
     """Runs the commands in full and compares the output with the page."""
     bad = 0
     for page in names:
+        asked = [(command, lines) for command, lines in commands(read(page)) if not alone or lines is not None]
         place = Place(isph, True)
-        for command, lines in commands(read(page)):
-            result = None if alone and lines is None else place.run(command)
+        for command, lines in asked:
+            result = place.run(command)
             if result is None:
                 continue
             fault = None if lines is None else mismatch(lines, tidy(result[1]))

@@ -13,7 +13,7 @@ from interpreter import python_with
 
 python_with("numpy, matplotlib")
 study, isph = sys.argv[1:3]
-ONLY = r"half circle at rest n=24|mixer fixed n=16|diffuser coupled n=(16|32)|Kovasznay moving n=16"
+ONLY = r"half circle at rest n=24|mixer fixed n=16|diffuser coupled n=(16|32)"
 
 sys.path.insert(0, os.path.dirname(study))
 loader = importlib.machinery.SourceFileLoader("pressure_study", study)
@@ -42,8 +42,6 @@ assert abs(error("half circle at rest", 24, "body_1_fy")) < 0.1
 assert all(abs(error("mixer fixed", 16, f"{k}_torque")) < 15 for k in ("body_1", "domain"))
 coarse, fine = (error("diffuser coupled", n, "pressure_l2") for n in (16, 32))
 assert coarse < 2 and fine < coarse / 3, (coarse, fine)
-# The particles that enter in a step set the mean pressure no more: it erred by 41 %.
-assert error("Kovasznay moving", 16, "pressure_l2") < 1
 with open("pressure.md", encoding="utf-8") as file:
     page = file.read()
 assert "| diffuser coupled | 16, 32 | pressure | not run |" in page and os.path.getsize("pressure.png") > 10000, page
