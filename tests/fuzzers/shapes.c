@@ -53,6 +53,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   (void)memset(&scene, 0, sizeof(scene));
   if (PetscOptionsClear(NULL)) abort();
   if (TableWant(&CaseTable, "-case", "scene", &scene.problem)) abort();
+  if (TableWant(&MotionTable, "-motion", "lagrangian", &scene.motion)) abort();
   scene.dim     = 2;
   scene.n       = n;
   scene.physics = scene.problem->physics;
