@@ -1,7 +1,7 @@
 /*
   Mode 2 of a viscous drop with a free surface, for amplitudes that leave the disc or ball round:
   the least damped decay without surface tension, an oscillation or a creeping return with it. An
-  exact solution with both conditions of the surface: theory.md, (166) and (189).
+  exact solution with both conditions of the surface: theory.md, (surface:mode) and (surface:ball).
 
   The flow is proportional to exp(-q nu t/R^2), and both conditions hold if q is a root of
   Condition(). The two roots of least size give a flow that starts from a disc or a ball.

@@ -91,7 +91,7 @@ def page(run):
            + f". A run to t = 10 has at most {runs.SECONDS:g} s of CPU time.\n")
     yield ("Section 6.2 says of its walls: \"Walls are modelled using stationary particles, with tangential velocities extrapolated normally "
            "to the wall, using information gathered by the wall particles closest to the fluid. Density and pressure of wall particles are "
-           "allowed to evolve according to the continuity and state equations.\" Here these are the equations (385) and (386) of the "
+           "allowed to evolve according to the continuity and state equations.\" Here these are the equations (walls:density) and (walls:extended) of the "
            "[theory](../theory/walls.md#53-dummy-particles). The reading of \"information\" as the mean over the kernel of a wall particle of the first layer is ours.\n")
     for reynolds, end in runs.ENDS.items():
         yield f"## Re = {reynolds}\n"
@@ -130,7 +130,7 @@ STATEMENTS = [
     ["more robust than the channel", "yes", "D at Re = 1000 has no end before t = 80 L/U; in the channel E is lost at 19 L/U"],
 ]
 READING = """The walls decide. With the walls of the paper, particles that stay behind the wall and have densities and pressures of their own
-(`-wall dynamic`, [(385)](../theory/walls.md#eq-385)), the order of the paper holds at both Reynolds numbers: radial forces (C, D) are the quietest
+(`-wall dynamic`, [(walls:density)](../theory/walls.md#walls:density)), the order of the paper holds at both Reynolds numbers: radial forces (C, D) are the quietest
 and the most accurate, B clumps, A is noisy, and at Re = 1000 all but B have too little energy. Before, walls were dummies with the pressure
 of the particle that reads them. They pull particles of negative pressure to the wall, energy grows from t = 1 on, and no model outlived
 t = 7.2 at Re = 1000; the [table of walls](#walls) has both. No step, reduction of the pressure or correction changes this.

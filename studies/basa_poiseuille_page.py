@@ -172,7 +172,7 @@ the present size. Model C has the factor 8 of Eq. (33), twice the exact 4 of two
 its viscosity is 5 % too low, and 4.24 of model D is fitted to the lattice. Shear moves particles off the lattice, and
 then the fit no longer holds: from t* = 1 on the error of D grows to 2.5 %. The error of model B comes from the walls: a table below
 has it for [readings of them](#walls-of-model-b). At the start the stress reaches the whole support of the kernel, where the flow has a layer of a few rows. Before, the pressure behind walls
-balanced the force along them a second time ([theory, (305)](../theory/wcsph.md#eq-305)), and B had 5.8 % at t* = 1 and failed at t* = 15. At Re = 1000 the error of the start does not decay
+balanced the force along them a second time ([theory, (wcsph:shear)](../theory/wcsph.md#wcsph:shear)), and B had 5.8 % at t* = 1 and failed at t* = 15. At Re = 1000 the error of the start does not decay
 before the flow breaks. Velocities that alternate from row to row have no slope in its first sum on a lattice, and so no viscous
 force; rows of particles dissolve in it first.
 """
@@ -184,7 +184,7 @@ lattice. Gradients of first order change the first row little: 15, 6.3 and 2.5 %
 OWN_READING = """**Below 1 %?** From t* = 1 to 30 `-scheme projection` stays below 0.25 % at Re = 1 to 1000 (three seeds), and ends
 below 0.007 %. At Re = 10,000 its error is 0.16 % at t* = 1, grows to 0.22 % at t* = 11 and stays there to t* = 30. The worst error of
 three seeds after t* = 0.9 is 0.23 %.
-Before the velocity filter damped disturbances across a shear ([theory, (255)](../theory/filters.md#eq-255)), waves of four spacings made it
+Before the velocity filter damped disturbances across a shear ([theory, (filters:shear)](../theory/filters.md#filters:shear)), waves of four spacings made it
 1.0 % from t* = 8 on. At Re = 0.1 its error is 1.6 % near t* = 2, because a step of CFL number 0.5 is t* =
 1.2 long; in steps of t* = 0.05 it is 0.2 %. At t* = 0.01 every scheme errs by 2 to 6 %, because the layers beside the walls are
 thinner than two particles. `-scheme wcsph` comes below 0.4 % at Re = 1 to 100; at Re = 0.1 it has 1.4 % at t* =

@@ -6,7 +6,7 @@ import numpy as np
 H_DX = 1.56986  # h/dx of section 6
 REACH = 4  # rows that the kernel reaches [-]
 FORCE = 8.0
-READINGS = {  # name: velocities behind walls, stress behind walls, share of (183) along the wall
+READINGS = {  # name: velocities behind walls, stress behind walls, share of (wcsph:wall) along the wall
     "line through wall and each particle; stress continued by its slope": ("each", "slope", 0.0),
     "the same, and the wall pressure balances the force too (before)": ("each", "slope", 1.0),
     "line through wall and each particle; stress of the particle": ("each", "own", 0.0),

@@ -1,4 +1,4 @@
-"""The exact flow of mode 2 of a viscous drop without surface tension (docs/developers/theory.md, (166)), for the drivers of other codes.
+"""The exact flow of mode 2 of a viscous drop without surface tension (docs/developers/theory.md, (surface:mode)), for the drivers of other codes.
 
 Radius, density and kinematic viscosity are 1. The drop is round, and the largest radial velocity of its border at t = 0 is SPEED.
 """

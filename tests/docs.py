@@ -172,15 +172,23 @@ def message_faults(page):
 
 
 def formula_faults():
-    """Yields the formulas of the theory that sources cite, as in "theory.md, (90) to (92)", and that it does not have."""
-    there = {int(number) for number in re.findall(r'id="eq-(\d+)"', "".join(map(read, pages())))}
-    for folder, ending in ("src", "[ch]"), ("include", "h"), ("cases", "c"), ("tests", "c"), ("options", "opts"):
-        for path in glob.glob(os.path.join(ROOT, folder, "**", f"*.{ending}"), recursive=True):
-            with open(path, encoding="utf-8") as file:
-                text = file.read()
-            for cited in re.findall(r"theory\.md,((?:[\s*#]*(?:\(\d+\)|and|to|,))+)", text):
-                for number in set(map(int, re.findall(r"\d+", cited))) - there:
-                    yield f"{os.path.relpath(path, ROOT)}: the theory has no formula ({number})"
+    """Yields the formulas that sources and pages cite by name, as in "theory.md, (rows:gradient)", and that the theory does not have, and
+    those of the theory that nobody cites."""
+    there = set(re.findall(r'<a id="([a-z]+:[a-z0-9-]+)"', "".join(map(read, pages()))))
+    pages_of_formulas, cited = {name.split(":")[0] for name in there}, set()
+    paths = [path for folder in ("src", "include", "cases", "tests", "options", "studies")
+             for path in sorted(glob.glob(os.path.join(ROOT, folder, "**", "*"), recursive=True))]
+    for path in paths + [os.path.join(ROOT, page) for page in pages()]:
+        if os.path.isdir(path) or path.endswith((".png", ".h5", ".pyc", ".csv")):
+            continue
+        with open(path, encoding="utf-8", errors="replace") as file:
+            names = set(re.findall(r"[(#]([a-z]+:[a-z0-9-]+)\)", file.read()))
+        cited |= names
+        for name in sorted(names - there):
+            if name.split(":")[0] in pages_of_formulas:
+                yield f"{os.path.relpath(path, ROOT)}: the theory has no formula ({name})"
+    for name in sorted(there - cited):
+        yield f"docs/developers/theory: nobody cites ({name}): it needs no tag"
 
 
 def cited_faults():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how fast the velocity filter damps a wave across a shear, theory.md, (77) and (255).
+"""Measures how fast the velocity filter damps a wave across a shear, theory.md, (filters:velocity) and (filters:shear).
 
     shear.py ISPH
 

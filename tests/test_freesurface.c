@@ -145,8 +145,8 @@ static PetscReal Stiffness(PetscInt m, Pool *pool)
 }
 
 /* With surface tension the curvature of waves of any length has their sign, so that no wave grows;
-   the shortest ones have none, and -0.027 with the weights of normals, theory.md, (163). Long
-   waves have it with an error of order 2, about (m dx/R)^2; kappa - 1/R = (m^2 - 1) a/R^2. */
+   the shortest ones have none, and -0.027 with the weights of normals, theory.md, (surface:kernel).
+   Long waves have it with an error of order 2, about (m dx/R)^2; kappa - 1/R = (m^2 - 1) a/R^2. */
 static void test_stiffness(void **state)
 {
   const PetscInt n = 12, on = 75; /* particles on the circle */

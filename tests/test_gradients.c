@@ -113,7 +113,7 @@ static void CheckDeclared(const GradientRow *form, const char *where, const Clou
   }
   if ((form->properties & FORM_EXACT_LINEAR) || cloud->scene.jitter == 0.0)
     CheckSolenoidal(where, cloud);
-  /* theory.md, (25): the error of plain at this jitter is 0.12 in 2D and 0.10 in 3D */
+  /* theory.md, (rows:disorder): the error of plain at this jitter is 0.12 in 2D and 0.10 in 3D */
   else CloudAssertNone("exact_linear, undeclared", where, linear < 1e-2);
 }
 
@@ -156,7 +156,7 @@ static void test_declared_3d(void **state)
 
 /*
   On a lattice with h = dx and the cubic spline a gradient that is not exact for linear fields
-  returns S1 times the exact gradient, theory.md, (24) and (37).
+  returns S1 times the exact gradient, theory.md, (rows:matrix) and (rows:lattice).
 */
 static void test_closed_form(void **state)
 {

@@ -25,7 +25,8 @@ static PetscReal SphereArea(PetscInt dim, PetscReal r)
   return dim == 1 ? 2.0 : dim == 2 ? 2.0 * PETSC_PI * r : 4.0 * PETSC_PI * r * r;
 }
 
-/* Checks int W dV = 1, int r W' dV = -d and int r^2 W'' dV = d (d + 1): theory.md, (7). */
+/* Checks int W dV = 1, int r W' dV = -d and int r^2 W'' dV = d (d + 1): theory.md,
+   (particles:integrals). */
 static void test_moments(void **state)
 {
   const PetscInt n = 4000; /* midpoints: relative error O(1/n^2), below 1e-6 */
@@ -83,8 +84,8 @@ static void test_derivatives(void **state)
 
 /*
   Checks W >= 0, W' <= 0, W'(0) = 0, and W'' - W'/r = r (W'/r)' >= 0, which makes the weights of the
-  Laplacian gotoh positive: theory.md, (8). W, W' and W'' are zero at the edge of the support
-  and beyond, and W and W' are continuous there.
+  Laplacian gotoh positive: theory.md, (particles:convex). W, W' and W'' are zero at the edge of the
+  support and beyond, and W and W' are continuous there.
 */
 static void test_shape(void **state)
 {

@@ -67,7 +67,8 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
     CloudAssertNone("linear fields on a lattice", where, linear > 1e-9);
     return;
   }
-  /* theory.md, (35): at this jitter asymmetries are 0.018 or more, errors 0.15 or more */
+  /* theory.md, (rows:asymmetry): at this jitter asymmetries are 0.018 or more, errors 0.15 or more
+   */
   if (!CloudHas(form, FORM_SYMMETRIC))
     CloudAssertNone("symmetric, undeclared", where, asymmetry < 1e-3);
   if (!CloudHas(form, FORM_EXACT_LINEAR))
@@ -147,7 +148,8 @@ static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_
 /*
   Tests the property safe_implicit: all eigenvalues of -L except the zero of the constants have
   positive real parts on disordered clouds of jitter 0.25 dx and 0.5 dx. A form without this
-  property has an eigenvalue below -0.05/dx^2 on each cloud: theory.md, (40), the last table.
+  property has an eigenvalue below -0.05/dx^2 on each cloud: theory.md, (rows:modes), the last
+  table.
 */
 static void test_safe_implicit(void **state)
 {

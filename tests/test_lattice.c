@@ -51,8 +51,9 @@ static void test_order_on_lattice(void **state)
 }
 
 /*
-  A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: theory.md, (36).
-  Its table gives 100 (S - 1) with one decimal for the square lattice and the cubic spline.
+  A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: theory.md,
+  (rows:factor). Its table gives 100 (S - 1) with one decimal for the square lattice and the cubic
+  spline.
 */
 static void test_second_moment(void **state)
 {
@@ -89,7 +90,7 @@ static void test_second_moment(void **state)
 
 /*
   Returns the factor S with which a form computes lap |x|^2 on a square lattice with h = dx and the
-  cubic spline: theory.md, (37), from four neighbours at dx and four at sqrt(2) dx.
+  cubic spline: theory.md, (rows:lattice), from four neighbours at dx and four at sqrt(2) dx.
 */
 static PetscReal FactorAtDx(const LaplacianRow *form)
 {
@@ -116,12 +117,13 @@ static PetscReal FactorAtDx(const LaplacianRow *form)
 }
 
 /*
-  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): theory.md, (39)
+  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): theory.md,
+  (rows:printed)
 
     (1/M) sum |numerical - exact| / sum |exact|,   exact = 12 |x|^2,   M = (N-3)^2
 
-  for f = x^4 + y^4 as in (38), with nodes i dx, i = 0..N, dx = 1/N and h = dx; the sums are over
-  i = 2..N-2. Output: worst - largest difference from the closed form (38).
+  for f = x^4 + y^4 as in (rows:quartic), with nodes i dx, i = 0..N, dx = 1/N and h = dx; the sums
+  are over i = 2..N-2. Output: worst - largest difference from the closed form (rows:quartic).
 */
 static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *worst)
 {
@@ -185,7 +187,8 @@ static void test_zheng_table_1(void **state)
   }
 }
 
-/* Checks the closed form (38), from which the table follows, and lap |x|^2 = 4 S on a lattice. */
+/* Checks the closed form (rows:quartic), from which the table follows, and lap |x|^2 = 4 S on a
+   lattice. */
 static void test_closed_form(void **state)
 {
   (void)state;

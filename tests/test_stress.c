@@ -90,8 +90,8 @@ static void test_declared(void **state)
 /*
   On a lattice linear velocities have no stress. Forces of quadratic velocities are at most 6 in
   units of 1/dx^2; their errors are those of the viscosities in theory.md, the table below
-  (150): 2 (1 - 0.949) in 2D and 3 x 2 x 0.022 in 3D with h/dx = 1.3, 0.006 and 0.018 with 2. For
-  the matrices of the other forms see viscousforms.py.
+  (viscosity:dissipation): 2 (1 - 0.949) in 2D and 3 x 2 x 0.022 in 3D with h/dx = 1.3, 0.006 and
+  0.018 with 2. For the matrices of the other forms see viscousforms.py.
 */
 static void test_lattice(void **state)
 {
@@ -131,8 +131,8 @@ static PetscReal Shear(const LaplacianRow *form, PetscInt dim, const char more[]
 
 /*
   The factor xi with which model D of Basa et al. is exact for shear along the axes of a lattice,
-  theory.md, (168): 4.182 for the cubic spline with h/dx = 1.57 (Basa et al. found 4.24), and
-  5.028 with h/dx = 1.2.
+  theory.md, (viscosity:lattice): 4.182 for the cubic spline with h/dx = 1.57 (Basa et al.
+  found 4.24), and 5.028 with h/dx = 1.2.
 */
 static void test_cleary_factor(void **state)
 {
@@ -260,7 +260,7 @@ static PetscReal Dissipation(const Cloud *cloud, const Quadratic u[])
   A ball of fluid in empty space, with symmetric forces: no rigid motion has a force in any row, and
   all motions but the rigid ones are damped. The surface adds no work, so
   the dissipation of a uniform strain is that of the volume: of u = x to rounding, theory.md,
-  (150), of strains without dilatation up to the quadrature of the kernel.
+  (viscosity:dissipation), of strains without dilatation up to the quadrature of the kernel.
 */
 static void test_free_surface(void **state)
 {

@@ -50,8 +50,8 @@ static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud 
 /*
   Checks linear pressures in a closed box. Fits use the wall pressure gradient at the wall point. At
   dummies the pressure is continued along the wall with the gradient of the row, theory.md,
-  (51). A symmetric Laplacian omits this continuation, and so does a Laplacian with an inexact
-  gradient: they are not checked.
+  (walls:pressure). A symmetric Laplacian omits this continuation, and so does a Laplacian with an
+  inexact gradient: they are not checked.
 */
 static void CheckLinearPressure(const WalledForms *forms, const char *where, Cloud *cloud)
 {

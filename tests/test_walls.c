@@ -143,9 +143,9 @@ static void AssertDivergence(PetscInt k, const char *where, Cloud *cloud)
 /*
   Checks that the divergence of every linear velocity is exact in a closed box. A vector fit uses
   n.u_wall at the wall point. At dummies the normal component is continued through the wall, and the
-  tangential components by the gradient of the row, theory.md, (54). This is exact if no factor
-  beta of (54) reaches its bound of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx
-  and the least distance 0.3 dx.
+  tangential components by the gradient of the row, theory.md, (walls:normal). This is exact if no
+  factor beta of (walls:normal) reaches its bound of 10: here beta is at most 1 + 2.3/0.3, from the
+  support 2.6 dx and the least distance 0.3 dx.
 */
 static void CheckLinearVelocity(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -163,8 +163,8 @@ static void CheckQuadraticVelocity(const WalledForms *forms, const char *where, 
 }
 
 /* Checks that the predicted velocity has the Dirichlet value u_wall + (k/rho) (n.grad p) n,
-   theory.md, (88), and that the wall particle keeps the wall velocity. The last check of a
-   cloud, because the wall pressure gradient stays. */
+   theory.md, (projection:dirichlet), and that the wall particle keeps the wall velocity. The last
+   check of a cloud, because the wall pressure gradient stays. */
 static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Quadratic  rest[3] = {{.c = 0.0}};
@@ -202,7 +202,7 @@ static void CheckConcentration(const WalledForms *forms, const char *where, Clou
     for (PetscInt a = 0; a < cloud->scene.dim; a++)
       wrong += PetscAbsReal(ops->concentration.gradient[a][i]) * cloud->scene.dx > 1e-12;
   }
-  /* the quadrature error C - 1 of a lattice is below 3 %: theory.md, (11) */
+  /* the quadrature error C - 1 of a lattice is below 3 %: theory.md, (particles:lattice) */
   CloudAssertNone("concentration near 1", where, PetscAbsReal(C - 1.0) > 0.05);
   CloudAssertNone("concentration", where, wrong);
 }

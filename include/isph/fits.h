@@ -120,8 +120,8 @@ typedef struct {
   PetscReal  *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid; of neighbours on a free
                                        surface, out of it */
   PetscInt   *side;                  /* side or body of wall neighbours */
-  PetscReal  *beta;                  /* of dummies: factor of u_wall,i - u_i, theory.md, (49) */
-  PetscReal  *share;                 /* of dummies: weight in u_wall,i, theory.md, (50) */
+  PetscReal  *beta;         /* of dummies: factor of u_wall,i - u_i, theory.md, (walls:dummy) */
+  PetscReal  *share;        /* of dummies: weight in u_wall,i, theory.md, (walls:datum) */
   PetscReal  *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
   PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
   Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */

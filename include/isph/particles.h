@@ -201,7 +201,7 @@ static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
 }
 
 /* Returns the weight of particle i in means, norms and sums: its volume divided by the volume of
-   a lattice cell, theory.md, (119) [-]. */
+   a lattice cell, theory.md, (particles:means) [-]. */
 static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
 {
   return p->volume[i] / p->cell_volume;

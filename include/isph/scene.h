@@ -182,7 +182,8 @@ struct Rheology {
   PetscReal          t;         /* present time [s] */
 };
 
-/* Map of the lattice along an axis, whose cells are smaller at walls: theory.md, (138). */
+/* Map of the lattice along an axis, whose cells are smaller at walls: theory.md,
+   (particles:stretched). */
 typedef struct {
   PetscReal strength;    /* beta of the map; 0: uniform [-] */
   PetscReal end;         /* tanh(beta) */
@@ -192,7 +193,7 @@ typedef struct {
 
 #define GRADING_ROWS 2 /* ordered rows of particles along walls, with the spacing of the wall */
 
-/* Isotropic grading: the spacing as a function of place, theory.md, (142). */
+/* Isotropic grading: the spacing as a function of place, theory.md, (particles:spacing). */
 typedef struct {
   PetscBool  on;
   Expression spacing;                /* function of x, y, z; n = 0: not given [dx] */

@@ -5,7 +5,7 @@
 
     V_c (grad u)_c = sum over faces of u n^T A,   F_i = -(1/V_i) d/du_i sum_c V_c nu_c E_c:E_c
 
-  with E_c the symmetric part. See theory.md, (480) to (484).
+  with E_c the symmetric part. See theory.md, (viscosity:cells) and those up to (viscosity:error).
 */
 #ifndef ISPH_STRAIN_H
 #define ISPH_STRAIN_H

@@ -9,7 +9,7 @@
   dissipation of their pair forces for rough particles. |u| is the root mean square. A fluid that
   breaks the balance has velocities or a height that neither the start nor the body force gives.
   The bound on the speed of full boxes does not hold here: a fluid that falls touches no wall that
-  slows it. See theory.md, (176).
+  slows it. See theory.md, (surface:energy).
 */
 #include "isph/balance.h"
 #include "isph/strain.h"

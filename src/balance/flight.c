@@ -6,7 +6,7 @@
 
   with means <> over the mass. Pressure, viscosity and surface tension act between its own parts. A
   flight begins in the first step without a wall or an opening near a particle, and ends with the
-  next contact. See theory.md, (377).
+  next contact. See theory.md, (forces:flight).
 */
 #include "isph/balance.h"
 

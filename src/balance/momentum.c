@@ -53,8 +53,8 @@ static ISPH_WIDE void AddModes(PetscInt n, PetscReal weight, const PetscReal psi
 
   Collective. psi_q are harmonics of the box, whose integrals vanish; e_q are the errors of their
   integrals by the volumes of particles. The mean is exact for a constant, and to first order in e_q
-  for psi_q. On a lattice w_i is 1. See theory.md, (131). Input: u - components of the velocity at
-  the particles [m/s].
+  for psi_q. On a lattice w_i is 1. See theory.md, (motion:mean). Input: u - components of the
+  velocity at the particles [m/s].
 */
 PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[])
 {

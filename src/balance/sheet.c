@@ -1,6 +1,7 @@
 /* The balance sheet: what a flow conserves, and by how much a run violates it, relative to a scale
    of the flow. Some rows are measured in every step, others at the times of the report; see
-   theory.md, (377) to (379). A row that leaves its bound gives a line at the end of the run. */
+   theory.md, (forces:flight), (forces:mass) and (forces:balance). A row that leaves its bound gives
+   a line at the end of the run. */
 #include "isph/balance.h"
 
 const BalanceRow BalanceRows[BALANCES] = {

@@ -122,8 +122,9 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
   rate at which walls at rest slow the flow (SceneDecayRate()). All terms of forces and of the start
   follow from the energy balance, for steps of any length. The wall term is SceneWallSpeedBound().
   The speed stays below it in all flows with a known solution; a cavity reaches a third of it. The
-  sound is zero unless the scheme is weakly compressible. See theory.md, (115). Moving fluids
-  with a free surface have EnergyBound() instead. Input: before - |u| at the start of the step.
+  sound is zero unless the scheme is weakly compressible. See theory.md, (forces:bound). Moving
+  fluids with a free surface have EnergyBound() instead. Input: before - |u| at the start of the
+  step.
 */
 static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
 {

@@ -160,8 +160,8 @@ PetscErrorCode GradientRow_MlsDegree(Stencil *st, PetscInt degree, PetscReal *g[
 }
 
 /*
-  FilterRow_Mls - Computes the residual of a fit with a free constant, theory.md, (22); its degree
-  is the largest even one up to st->degree
+  FilterRow_Mls - Computes the residual of a fit with a free constant, theory.md, (rows:residual);
+  its degree is the largest even one up to st->degree
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T

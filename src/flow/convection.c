@@ -237,8 +237,9 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
   Collective. The implicit term convects the predicted velocity u*, which the projection changes by
   k/rho grad phi. This change is of order dt^2, and that of the last step differs by dt^3. Without
   this force it is most of the error in time of an unsteady flow. With the whole of it in place of
-  half, long steps are unstable. See theory.md, (315) and (316). Input: at - share of u* in the
-  velocity that the integrator convects: 1 or 1/2; v - advecting velocity over fluid [m/s].
+  half, long steps are unstable. See theory.md, (motion:correction) and (motion:factors). Input: at
+  - share of u* in the velocity that the integrator convects: 1 or 1/2; v - advecting velocity over
+  fluid [m/s].
 */
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[])
 {

@@ -49,9 +49,9 @@ static PetscReal WaveStep(PetscReal viscous, PetscReal square)
 
   The pressure sigma kappa belongs to the positions at which the step solves for the velocity. t_c
   bounds capillary waves of inertia, t_v those that viscosity slows. For small displacements steps
-  are stable up to about ten times this limit: theory.md, (165). Surfaces whose particles are
-  disordered by large displacements need shorter steps. Reference: C. Galusinski, P. Vigneaux, J.
-  Comput. Phys. 227 (2008) 6140-6164
+  are stable up to about ten times this limit: theory.md, (surface:step). Surfaces whose particles
+  are disordered by large displacements need shorter steps. Reference: C. Galusinski, P. Vigneaux,
+  J. Comput. Phys. 227 (2008) 6140-6164
 */
 PetscReal CapillaryLimit(const Scene *scene)
 {

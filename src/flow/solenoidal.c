@@ -114,7 +114,7 @@ static void AddPlane(const Scene *scene, const Factors *f, PetscInt a, PetscInt 
   Collective. The fields psi_q are normalised curls of stream functions: products of sines between
   walls and of harmonics along periodic axes, and uniform velocities along periodic axes. They are
   tangential to all sides, and stream functions vanish on bodies, so that gradients have no product
-  with them. See theory.md, (126).
+  with them. See theory.md, (time:norm).
 */
 PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *p, const Vec e[],
                               PetscReal *norm)

@@ -4,7 +4,8 @@
 #define LONG    10.0 /* steps beyond it are no steps in time [time scale of the flow] */
 #define SETTLED 0.02 /* distance from a steady flow that counts as none [-] */
 
-/* Computes the root mean square of a vector over the volume of the fluid: theory.md, (119). */
+/* Computes the root mean square of a vector over the volume of the fluid: theory.md,
+   (particles:means). */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 {
   PetscReal sum;

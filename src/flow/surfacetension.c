@@ -1,6 +1,6 @@
 /*
   The tension of the free surface of strain cells: its force, its energy, and its change in a step,
-  which makes the viscous matrix stiffer. Source: docs/developers/theory.md, (502)
+  which makes the viscous matrix stiffer. Source: docs/developers/theory.md, (strain:tension)
 */
 #include "isph/flow.h"
 #include "isph/strain.h"

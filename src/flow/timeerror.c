@@ -33,7 +33,8 @@ PetscErrorCode TimeErrorStart(Flow *flow)
     P = w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2},   C = k/(k + t^{n+1} - t^m)
 
   P is the polynomial through the velocities at t^n ... t^m, with m = n-2 for BDF2 and n-1 for
-  backward Euler; k is the length of HistoryStart(). See theory.md, (124) and (125).
+  backward Euler; k is the length of HistoryStart(). See theory.md, (time:prediction) and
+  (time:error).
 */
 static void SetPredictor(const Clock *clock, PetscReal weight[HISTORY], PetscReal *share)
 {
@@ -111,8 +112,8 @@ static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal l
   Steps double in length until enough earlier velocities are known. The velocity at the start counts
   as unknown, because the first step may change it by any amount. Steps of a thousandth of the limit
   of other reasons are kept, because a jump of the velocity has the same error in any step. With
-  -time_order 3 the error is that of BDF2, above that of the step. See theory.md, (127). Reference:
-  K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
+  -time_order 3 the error is that of BDF2, above that of the step. See theory.md, (time:ratio).
+  Reference: K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
 */
 PetscErrorCode TimeErrorCheck(Flow *flow)
 {

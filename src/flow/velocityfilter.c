@@ -65,9 +65,9 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
   above 1 it multiplies the rate; the regime decides on the last term (`across`), which counts for a
   pressure on coarse points only. k in this term is bounded, so that no component of r changes its
-  sign. See theory.md, (77) and (255). Input: A - gradient of the velocity [1/s]; r - residual of
-  its fit [m/s]; factor - S; across - flag: VelocityFilterActsOnShear(); dt - length of the step
-  [s]. Input/Output: change - of the velocity [m/s].
+  sign. See theory.md, (filters:velocity) and (filters:shear). Input: A - gradient of the velocity
+  [1/s]; r - residual of its fit [m/s]; factor - S; across - flag: VelocityFilterActsOnShear(); dt -
+  length of the step [s]. Input/Output: change - of the velocity [m/s].
 */
 void VelocityFilter(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], const PetscReal r[],
                     PetscReal factor, PetscBool across, PetscReal dt, PetscReal change[])

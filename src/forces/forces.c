@@ -9,7 +9,7 @@
   rows in a weak form: grad w is zero beside the wall, so that neither derivatives on the wall nor
   volumes of particles beside it matter, and the noise of many points averages out. A linear
   pressure, whose gradient is the body force, is taken out first; its force follows from the shape
-  of the surface alone. See theory.md, (390).
+  of the surface alone. See theory.md, (forces:momentum).
 
   Reference: V. John & G. Matthies, Int. J. Numer. Meth. Fluids 37 (2001) 885-903
 */

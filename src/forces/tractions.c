@@ -9,7 +9,7 @@
   second term follows from the derivatives of the wall velocity and from continuity. dw/dn is a
   one-sided difference of third order between the surface and probes at the heights dx, 2 dx and
   3 dx, or of the order of those that are not outside a free surface. Only the wet parts of a wall
-  have forces. See theory.md, (112) and (113).
+  have forces. See theory.md, (forces:traction) and (forces:slope).
 */
 #include "isph/forces.h"
 

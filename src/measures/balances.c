@@ -5,8 +5,8 @@
     sum F + d/dt int rho u dV - int rho f dV + sum rho u (u.n) dA = 0,
 
   with the forces F of the fluid on walls, bodies, sides with slip and openings, and n into the
-  fluid. Their residuals are relative to the sums of the magnitudes. See theory.md, (378)
-  and (379).
+  fluid. Their residuals are relative to the sums of the magnitudes. See theory.md, (forces:mass)
+  and (forces:balance).
 */
 #include "isph/balance.h"
 #include "isph/strain.h"

@@ -9,7 +9,7 @@
   those of u have the conditions of boundaries, those of S none. With a uniform viscosity the
   Laplacian of the fit of u stands for its part of div S, because one fit has less noise than two.
   On a lattice with few neighbours it would be blind: by symmetry a cubic fit has there the
-  Laplacian of a quadratic fit. See theory.md, (381).
+  Laplacian of a quadratic fit. See theory.md, (forces:defect).
 */
 #include "defect.h"
 #include "isph/strain.h"

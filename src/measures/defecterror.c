@@ -11,7 +11,7 @@
 
   K is the pairwise Laplacian with the viscosity of the pair, and K_1 that of viscosity 1 without
   walls. All systems are symmetric, and solved by conjugate gradients to one per cent, which is
-  enough for an estimate. See theory.md, (382).
+  enough for an estimate. See theory.md, (forces:error).
 */
 #include "defect.h"
 

@@ -1,6 +1,6 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. The volume inside the surface
    is the sum over the cells of the particles. The reference is the sum of the volumes of the
-   particles, which never change. See theory.md, (158). */
+   particles, which never change. See theory.md, (surface:cell). */
 #include "isph/balance.h"
 #include "monitors.h"
 #include "schemes/surface/surface.h"

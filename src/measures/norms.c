@@ -91,8 +91,8 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_l2   = (sum V |u - u_e|^2 / sum V |u_e|^2)^1/2
     velocity_linf = max |u - u_e| / max |u_e|
 
-  Collective. See theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
-  nothing if the case has no exact solution. Adds pressure_l2 if the run has a pressure and the
+  Collective. See theory.md, (forces:norms). V is the volume of a particle, u_e the exact velocity.
+  Adds nothing if the case has no exact solution. Adds pressure_l2 if the run has a pressure and the
   exact solution gives it. The means of both pressures are subtracted unless a boundary gives the
   pressure. Input: flow - the flow at clock->t. Output: report - receives the quantities. Note: if
   the exact field vanishes, errors are relative to U and rho U^2
@@ -158,10 +158,10 @@ static PetscErrorCode SumMomentum(const Flow *flow, PetscReal momentum[])
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
-    2D, theory.md, (114), with the weights (131) in a periodic box without forces and bodies,
-    unless pair forces keep the sum itself;
-    divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
-    and graded_energy, if graded particles move; those of MeasureFree() with a free surface
+    2D, theory.md, (forces:energy), with the weights (motion:mean) in a periodic box without forces
+  and bodies, unless pair forces keep the sum itself; divergence_max = max |div u| [1/s], if the run
+  has a pressure; graded_volume, graded_momentum and graded_energy, if graded particles move; those
+  of MeasureFree() with a free surface
 
   Collective. Input: flow - the flow, with the statistics of the last step; energy - reference of
   the kinetic energy, NaN without reference [J]. Output: report - receives the quantities.

@@ -217,7 +217,7 @@ static PetscErrorCode LayerThickness(const Flow *flow, Resolution *resolution)
   Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
   a quadratic and of a cubic fit, see OperatorsCompareGradients(). Moving particles turn with the
   flow, and steps of order 2 err by dt^2 a^3/3 of it per time, those of order 1 by dt a^2/2. The
-  formulas are theory.md, (133). A fluid at rest or in uniform motion has no error. Output:
+  formulas are theory.md, (forces:space). A fluid at rest or in uniform motion has no error. Output:
   resolution - both errors, the place where the gradients of both fits differ most, and the
   thickness of sheared layers.
 */

@@ -8,7 +8,7 @@
   as two bodies in an inelastic collision. Momentum and angular momentum stay, and energy does not
   grow. Pairs that are nearer than that are moved apart: in the nose of a current on a wall
   particles would pile up, and two in one place are lost when they become smooth again. See
-  theory.md, (159) and (277).
+  theory.md, (surface:collision) and (surface:apart).
 
   Reference: S. Koshizuka, Y. Oka, Nucl. Sci. Eng. 123 (1996) 421-434, there for all particles
 */

@@ -6,7 +6,8 @@
     div(w/m) = div u = 0
 
   So no particle is inserted or removed. The particles cross the flow, so that du/dt along their
-  paths has the convective term (u - w).grad u. See theory.md, (145) to (147).
+  paths has the convective term (u - w).grad u. See theory.md, (motion:graded), (motion:term) and
+  (motion:sums).
 */
 #include "isph/motion.h"
 

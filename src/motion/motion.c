@@ -216,7 +216,7 @@ static PetscBool HasWall(const Operators *ops, PetscInt i)
   with the residual r of a quadratic fit of u. Viscous rows beside a surface are those of fits with
   conditions, which are not symmetric, and need not take energy from grid modes; inside the fluid
   viscosity damps these modes at 8 nu/dx^2. r vanishes in a film, whose velocity is a parabola. See
-  theory.md, (332).
+  theory.md, (surface:filter).
 */
 static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal change[])
 {
@@ -333,7 +333,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
   feeds energy into the flow. Bodies move first, and particles keep off their new surfaces. On entry
   the operators belong to x^n; on exit they, owners and halo are out of date. See theory.md,
-  (105) to (107).
+  (motion:step), (motion:fields) and (motion:shift).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {

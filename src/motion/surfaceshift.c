@@ -1,6 +1,6 @@
 /* Shifts at a free surface. A shift spreads particles and must not carry fluid: not through the
    surface, and not over a wall past the contact line, where the surface meets it. Only the velocity
-   moves the surface and the contact line. See theory.md, section 15.11 and (376). */
+   moves the surface and the contact line. See theory.md, section 15.11 and (surface:shift). */
 #include "isph/motion.h"
 
 #define SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */

@@ -320,7 +320,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
 }
 
 /* Computes the factor -dx_i^2 of each row of the pressure Laplacian, once in each epoch:
-   theory.md, (121). */
+   theory.md, (projection:matrix). */
 static PetscErrorCode ScalePressureRows(const Particles *p, Operators *ops)
 {
   PetscScalar *scale;

@@ -123,7 +123,8 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
 }
 
 /* Returns true if a viscous form has no traction on free surfaces by itself: it is a stress, and
-   the derivative of a dissipation of the fluid alone, theory.md, (150) and (174). */
+   the derivative of a dissipation of the fluid alone, theory.md, (viscosity:dissipation) and
+   (viscosity:work). */
 static PetscBool HasFreeTraction(const LaplacianForm *visc)
 {
   return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&

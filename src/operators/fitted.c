@@ -1,8 +1,9 @@
 /* Rows that no array stores. If particles move, the gradients and the filter of the velocity are
    applied once in a step, so the rows of a particle are not worth their memory. Its coefficients in
-   the fit are kept instead, see (240) to (242) in theory.md: a product sums the moments of the
-   field over the neighbours, and multiplies them by these coefficients. The moments serve all rows
-   of a particle. Neighbours have the weights and the offsets of the assembly, computed anew. */
+   the fit are kept instead, see (rows:sums), (rows:from-sums) and (rows:residual-sums) in
+   theory.md: a product sums the moments of the field over the neighbours, and multiplies them by
+   these coefficients. The moments serve all rows of a particle. Neighbours have the weights and the
+   offsets of the assembly, computed anew. */
 #include "fitted.h"
 #include "fits/lanemonomials.h"
 
@@ -235,8 +236,9 @@ static ISPH_WIDE void ApplyWide(const FittedProducts *to, const OperatorRows *ro
 
     grad_a f = sum_t c_at m_t,   m_t = sum_k W_k phi_t(X_k/R) (f_k - f_i),
 
-  and the filter in the same way, theory.md, (240) to (242). Input: the fields by local index,
-  halo included, in rows->value at [fields j + field], with zeros in place of absent data.
+  and the filter in the same way, theory.md, (rows:sums), (rows:from-sums) and (rows:residual-sums).
+  Input: the fields by local index, halo included, in rows->value at [fields j + field], with zeros
+  in place of absent data.
 */
 PetscErrorCode FittedApply(const FittedProducts *to, const OperatorRows *rows)
 {

@@ -96,7 +96,8 @@ static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], Pet
   return n;
 }
 
-/* Returns the square of radius and margin of local particle i, theory.md, (120) [m^2]. */
+/* Returns the square of radius and margin of local particle i, theory.md, (particles:neighbours)
+   [m^2]. */
 static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
 {
   return PetscSqr(nb->radius * (ParticlesLargestEdge(p, i) / nb->spacing) + nb->margin);

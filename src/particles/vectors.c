@@ -55,7 +55,7 @@ PetscErrorCode FluidSumOwn(const Particles *p, Vec f, PetscBool squared, PetscRe
 
 /* FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, see FluidSumOwn().
    Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
-   theory.md, (119). */
+   theory.md, (particles:means). */
 PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
   PetscFunctionBegin;

@@ -207,10 +207,10 @@ static void AddOpenings(const Scene *scene, const KernelRow *kernel, const Stenc
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
   j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
-  mirror images if wall particles lie on the surface, otherwise the dummies: theory.md, (10). Mirror
-  images continue it beyond free surfaces too. Input: x - position of particle i [m]; mirrored -
-  flag: mirror images, not wall particles, represent the fluid beyond walls. Output: concentration -
-  value near 1 [-]; gradient - [1/m].
+  mirror images if wall particles lie on the surface, otherwise the dummies: theory.md,
+  (particles:concentration). Mirror images continue it beyond free surfaces too. Input: x - position
+  of particle i [m]; mirrored - flag: mirror images, not wall particles, represent the fluid beyond
+  walls. Output: concentration - value near 1 [-]; gradient - [1/m].
 */
 void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *st,
                       const PetscReal x[], PetscBool mirrored, PetscReal *concentration,

@@ -63,7 +63,7 @@ PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
 
 /* LaplacianDilatation - Returns the factor c of a form that approximates lap u + (c - 1) grad div
    u. The rotational pressure update subtracts c rho nu div u*, u* the predicted velocity:
-   theory.md, (84) and (85). */
+   theory.md, (projection:update) and (projection:rotational). */
 PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 {
   if (form->row->weak) return 2.0;
@@ -147,8 +147,8 @@ const char *OperatorsCorrection(const Operators *ops)
   Reason: the row is the Laplacian of g(x) = m(x) (u(x) - u_i), m(x) the mean of nu_i and nu(x). At
   x_i the mean has the value nu_i and the gradient grad nu/2, so lap g = nu lap u + grad nu.grad u
   to the order of the form. If an interface lies half way between i and j, nu_ij (u_j - u_i) is the
-  exact flux times the distance, for any jump of nu. See theory.md, (64) and (65). Reference: P. W.
-  Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
+  exact flux times the distance, for any jump of nu. See theory.md, (viscosity:scalar) and
+  (viscosity:means). Reference: P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
 */
 void WeighByViscosity(const Scene *scene, const Particles *p, const Stencil *st, PetscReal w[])
 {

@@ -34,10 +34,10 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 
     (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
 
-  Properties: symmetric for equal volumes; all weights positive, theory.md, (8). With the cubic
-  spline the result on lattices is wrong by up to 8 %; on disordered particles the error is O(1/dx).
-  Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H. Gotoh et al.,
-  Appl. Ocean Res. 46 (2014) 104-115; the printed form is -(d+2)/2 times the Laplacian
+  Properties: symmetric for equal volumes; all weights positive, theory.md, (particles:convex). With
+  the cubic spline the result on lattices is wrong by up to 8 %; on disordered particles the error
+  is O(1/dx). Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H.
+  Gotoh et al., Appl. Ocean Res. 46 (2014) 104-115; the printed form is -(d+2)/2 times the Laplacian
 */
 static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 {
@@ -56,9 +56,9 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 
   Properties: symmetric for equal volumes. Its weights change sign, and the matrix of -lap has
   negative eigenvalues: with spline kernels on lattices, with all kernels on disordered particles
-  (theory.md, (40)). Modes that should decay then grow, so the form serves for comparison only.
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
-  div u = 0
+  (theory.md, (rows:modes)). Modes that should decay then grow, so the form serves for comparison
+  only. Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A
+  for div u = 0
 */
 static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
 {

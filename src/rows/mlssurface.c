@@ -246,11 +246,11 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
 
 /* LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u for a varying viscosity; couples
    velocity components. Weights multiplied by the mean viscosities of pairs give div(2 nu E) +
-   grad(nu div u), as those of stress.c: theory.md, (71). Rows are those of a fit of each component.
-   If the particle or a neighbour is on a free surface, the row has pair forces with the factor of
-   the particle, whose traction on the surface is zero, and the surface has no pressure: theory.md,
-   (187). A condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose
-   gradient is not the stress. */
+   grad(nu div u), as those of stress.c: theory.md, (viscosity:varying). Rows are those of a fit of
+   each component. If the particle or a neighbour is on a free surface, the row has pair forces with
+   the factor of the particle, whose traction on the surface is zero, and the surface has no
+   pressure: theory.md, (surface:pairs). A condition in the fit would be that of the weighted
+   differences nu_ik (u_k - u_i), whose gradient is not the stress. */
 PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;

@@ -118,8 +118,8 @@ void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 }
 
 /* StencilSetSize - Sets the lengths that follow from the spacing of the particle. See
-   theory.md, (118). Does nothing if the spacing is the same as before. Fits multiply equations
-   of derivatives by half the radius of the support. */
+   theory.md, (particles:sizes). Does nothing if the spacing is the same as before. Fits multiply
+   equations of derivatives by half the radius of the support. */
 void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *st)
 {
   if (dx == st->dx) return;

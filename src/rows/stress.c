@@ -2,7 +2,8 @@
    line that joins them. The strengths of the forces are those of least squares (stress_mls) or of a
    kernel (pairwise_stress). A rigid motion has no force (to rounding) for any viscosities, so
    truncation errors do not accelerate a very viscous drop that rotates in a fluid of low viscosity.
-   See theory.md, (67) to (71) and (148) to (150). */
+   See theory.md, (viscosity:pairs) and those up to (viscosity:varying) and (viscosity:pairwise),
+   (viscosity:factor) and (viscosity:dissipation). */
 #include "fits/mls.h"
 #include "rows.h"
 
@@ -115,13 +116,14 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 
     2 (d+2) sum_k V_k (u_k - u_i).X/r^2 grad_i W ~ lap u + 2 grad div u
 
-  The factor is exact in the continuum: theory.md, (167). The published factor 8 is that of two
-  dimensions. Properties: symmetric for equal volumes with forces along the pair, as
+  The factor is exact in the continuum: theory.md, (viscosity:cleary). The published factor 8 is
+  that of two dimensions. Properties: symmetric for equal volumes with forces along the pair, as
   pairwise_stress. A correction replaces grad_i W, whose direction then is not that of the pair. On
-  lattices the viscosity depends on the direction of the strain: theory.md, the table below (167).
-  Reference: J. J. Monaghan, R. A. Gingold, J. Comput. Phys. 52 (1983) 374-389; D. Violeau, R. Issa,
-  Int. J. Numer. Meth. Fluids 53 (2007) 277-304; M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer.
-  Meth. Fluids 60 (2009), model C, Eq. (33), here without the term eta^2 added to r^2
+  lattices the viscosity depends on the direction of the strain: theory.md, the table below
+  (viscosity:cleary). Reference: J. J. Monaghan, R. A. Gingold, J. Comput. Phys. 52 (1983) 374-389;
+  D. Violeau, R. Issa, Int. J. Numer. Meth. Fluids 53 (2007) 277-304; M. Basa, N. Quinlan, M.
+  Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model C, Eq. (33), here without the term eta^2
+  added to r^2
 */
 PetscErrorCode LaplacianRow_Violeau(Stencil *st, PetscReal w[])
 {
@@ -155,7 +157,7 @@ PetscErrorCode LaplacianRow_Cleary(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes V_k (W'' - W'/r) of neighbour k, which theory.md, (8), makes positive. */
+/* Computes V_k (W'' - W'/r) of neighbour k, which theory.md, (particles:convex), makes positive. */
 static inline PetscReal PairStrength(const Stencil *st, PetscInt k)
 {
   return st->V[k] * (st->ddW[k] - st->dW[k] / st->r[k]);
@@ -195,13 +197,14 @@ static void DropFriction(const Stencil *st, PetscReal w[])
     c_k = 2 V_k (W'' - W'/r) (B_i + B_k)/2,               B_i = d (d+2)/sum_k V_k (W'' - W'/r) r^2
 
   B makes the dissipation of u = x exact in any cloud of equal volumes with or without a free
-  surface, on which the traction is zero: theory.md, (148) to (150). Properties: symmetric for equal
-  volumes, so momentum and angular momentum are constant; all strengths are positive; no force on
-  rigid motions for any viscosities. On lattices the viscosity depends on the direction of the
-  strain, by 5 % for h/dx = 1.3; on disordered particles the error is O(1/dx). Needs particles
-  behind walls; a wall particle has the factor of the row. Reference: M. Weiler, D. Koschier, M.
-  Brand, J. Bender, Comput. Graph. Forum 37(2) (2018), there with -(d+2) W'/r in place of W'' -
-  W'/r, after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999), and with B = 1
+  surface, on which the traction is zero: theory.md, (viscosity:pairwise), (viscosity:factor) and
+  (viscosity:dissipation). Properties: symmetric for equal volumes, so momentum and angular momentum
+  are constant; all strengths are positive; no force on rigid motions for any viscosities. On
+  lattices the viscosity depends on the direction of the strain, by 5 % for h/dx = 1.3; on
+  disordered particles the error is O(1/dx). Needs particles behind walls; a wall particle has the
+  factor of the row. Reference: M. Weiler, D. Koschier, M. Brand, J. Bender, Comput. Graph. Forum
+  37(2) (2018), there with -(d+2) W'/r in place of W'' - W'/r, after P. W. Cleary, J. J. Monaghan,
+  J. Comput. Phys. 148 (1999), and with B = 1
 */
 PetscErrorCode LaplacianRow_PairwiseStress(Stencil *st, PetscReal w[])
 {

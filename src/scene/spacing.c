@@ -71,8 +71,8 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 }
 
 /* SceneStretch - Computes the factors that stretch the cell at x to a cube with the edge
-   SceneSpacing(), theory.md, (139) [-]. All are 1 on a uniform lattice and with isotropic
-   grading. */
+   SceneSpacing(), theory.md, (particles:cells) [-]. All are 1 on a uniform lattice and with
+   isotropic grading. */
 void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
 {
   PetscReal edge[ISPH_MAX_DIM], dx;
@@ -162,7 +162,7 @@ PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 
     m = V(x)/V_m,   V: SceneVolumeAt(), V_m: Scene.motion_volume
 
-  It is 1 if the spacing is uniform. See theory.md, (145).
+  It is 1 if the spacing is uniform. See theory.md, (motion:graded).
 */
 PetscReal SceneMotionFactor(const Scene *scene, const PetscReal x[])
 {

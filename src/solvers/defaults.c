@@ -74,7 +74,8 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
     a_ii <- max(a_ii, sum_{j != i} |a_ij| / 2)
 
   Collective. For matrices of particles: there only fits of the Laplacian whose particles lie on one
-  side have such entries, also negative ones; theory.md, (375). Matrices of splines have right ones.
+  side have such entries, also negative ones; theory.md, (solvers:diagonal). Matrices of splines
+  have right ones.
 */
 PetscErrorCode AmgDiagonal(Mat A)
 {

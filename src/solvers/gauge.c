@@ -20,9 +20,9 @@ PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p
   Collective. The solution p of (A + c c^T) p = b has a fixed mean, and c c^T p subtracts from b the
   uniform source for which no pressure exists, whatever s is. With the s of GaugePreconditioner() a
   constant is an eigenvector of both matrices with the same eigenvalue, so that it costs no
-  iteration. See theory.md, (90). Input: before - number of other unknowns on this rank, whose rows
-  precede the rows of the pressure; n - number of pressures on this rank; strength - s [-]. Output:
-  column - NULL for a determined pressure.
+  iteration. See theory.md, (projection:constant). Input: before - number of other unknowns on this
+  rank, whose rows precede the rows of the pressure; n - number of pressures on this rank; strength
+  - s [-]. Output: column - NULL for a determined pressure.
 */
 PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
                            PetscReal strength, Mat *column)

@@ -1,7 +1,7 @@
 /*
   The layer below the free surface that its level feels. It has a normal stress of its own, by which
-  its fluid has no divergence: theory.md, (564). The stress is on splines that are no unknowns of
-  the pressure, of each fluid its own.
+  its fluid has no divergence: theory.md, (strain:layer). The stress is on splines that are no
+  unknowns of the pressure, of each fluid its own.
 */
 #include "isph/operators.h"
 #include "splines.h"

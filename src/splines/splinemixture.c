@@ -17,8 +17,8 @@
   gradient of a spline balances exactly: so have a round drop and layers at rest. Far from
   interfaces the force is rho_k f.
 
-  Source: theory.md, (498)-(500). The derivative of the area is that of K. A. Brakke, Exp.
-  Math. 1 (1992) 141-165.
+  Source: theory.md, (densities:share), (densities:momentum) and (densities:jump). The derivative of
+  the area is that of K. A. Brakke, Exp. Math. 1 (1992) 141-165.
 */
 #include "splines.h"
 

@@ -8,7 +8,7 @@
    mean over the particles is not zero. So the pressure is of second order, whatever the fits are;
    with cubic splines it is of fourth order. Fits below degree 4 have larger errors than the
    splines. In cells that a body cuts the divergence has linear velocities, so splines beside bodies
-   stay quadratic. See theory.md, (144). */
+   stay quadratic. See theory.md, (splines:errors). */
 PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, Splines *s)
 {
   PetscFunctionBegin;

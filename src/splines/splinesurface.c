@@ -6,7 +6,8 @@
   and its gradient follows the density. So the divergence of the others is E^T D, and the gradient
   remains the adjoint. In films and fragments that have no such block the splines with the most
   fluid are unknowns. Of the others those nearest to the surface have the normal stress of the
-  layer that its level feels, whose divergence vanishes too: docs/developers/theory.md, (564).
+  layer that its level feels, whose divergence vanishes too: docs/developers/theory.md,
+  (strain:layer).
 
   Source: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */

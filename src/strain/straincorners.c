@@ -1,7 +1,7 @@
 /* Distances at the corners of the strain cells: from bodies, from the interfaces of fluids by the
    planes that particles carry, and below the free surface, the level of the concentration. Below a
    free surface cells have the volume of the particles, all of them and those of each fluid. See
-   theory.md, (480), (501) and (563). */
+   theory.md, (viscosity:cells), (strain:level) and (strain:fluids). */
 #include "strain.h"
 
 #define NODE_REACH   1.5  /* particles that decide on the interface at a corner [dx] */

@@ -4,7 +4,7 @@
     C(x) = sum_j V_j W(|x - x_j|),   C = tau such that the cells have the volume sum_j V_j,
 
   with mirror images in walls, and how it moves with the particles. Source:
-  docs/developers/theory.md, (501), (561) and (562).
+  docs/developers/theory.md, (strain:level), (strain:angle) and (strain:motion).
 */
 #include "strain.h"
 

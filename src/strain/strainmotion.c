@@ -9,7 +9,7 @@
   a body that turns has no area and no volume that change. Flux, weight and tension have the same
   velocity of the surface: then their work on the particles is that of area, volume and weight.
 
-  Source: docs/developers/theory.md, (562)
+  Source: docs/developers/theory.md, (strain:motion)
 */
 #include "strain.h"
 
@@ -170,7 +170,7 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
 
   Not collective. The depth l = C/|grad C| of the layer that a level feels is that of corner v, and
   its divergence the mean over its cells c'. Output: cells->surface.layer. Source:
-  docs/developers/theory.md, (564)
+  docs/developers/theory.md, (strain:layer)
 */
 PetscErrorCode StrainLayer(PetscInt d, const StrainPoints *points, const Facets *facets,
                            StrainCells *s)

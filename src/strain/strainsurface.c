@@ -10,9 +10,9 @@
 
     dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum of int (grad_s Y_i^T n).(grad_s Y_j^T n)
 
-  Source: docs/developers/theory.md, (502). Derivatives of the area are those of K. A. Brakke, Exp.
-  Math. 1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth. Fluids 51
-  (2006) 659-672.
+  Source: docs/developers/theory.md, (strain:tension). Derivatives of the area are those of K. A.
+  Brakke, Exp. Math. 1 (1992) 141-165, the change in a step that of S. Hysing, Int. J. Numer. Meth.
+  Fluids 51 (2006) 659-672.
 */
 #include "strain.h"
 

@@ -6,7 +6,7 @@
     F_w = -sum_c V_c 2 mu_c E_c g_cw - sigma sum_v N_w(y_v) dA/dy_v - dt sigma sum_j K_wj u_j
 
   As rows reproduce constants, these forces and those on the fluid sum to zero; as they reproduce
-  linear functions, so do their torques about the wall points. See theory.md, (506).
+  linear functions, so do their torques about the wall points. See theory.md, (strain:force).
 */
 #include "strain.h"
 

@@ -5,7 +5,7 @@
    one or two steps of any length. Particles of noses are therefore rough: they have pair forces,
    which dissipate in any arrangement, and a pressure without 2 mu n.E n. A film behind its nose
    keeps the fits, which are exact for a parabola of one or two particles across. See theory.md,
-   (250) and (251). */
+   (surface:nose) and (surface:height). */
 #include "surfacefits.h"
 
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */

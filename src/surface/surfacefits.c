@@ -4,8 +4,9 @@
   Weights of the fit are (1 - r^2/R^2)^2, with the radius R of the support. With a surface tension
   they are (1 - r^2/R^2) exp(-r^2/(2 dx^2)). The curvature then has the sign of the displacement for
   waves of any length along particles 0.8 to 1.4 dx apart. The wider weights give the shortest waves
-  the wrong sign, and surface tension lets them grow: theory.md, (163). Outflows, and walls
-  along which the fluid slides, mirror the surface; with surface tension walls without slip do too.
+  the wrong sign, and surface tension lets them grow: theory.md, (surface:kernel). Outflows, and
+  walls along which the fluid slides, mirror the surface; with surface tension walls without slip do
+  too.
 */
 #include "surfacefits.h"
 

@@ -30,7 +30,7 @@ static PetscReal Blend(PetscReal jump, PetscReal length, PetscReal weight[HISTOR
 }
 
 /* HistoryAhead - Computes the weights of earlier values in their extrapolation to t^n + at dt.
-   Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See theory.md, (319). */
+   Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See theory.md, (time:extrapolation). */
 void HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY])
 {
   const PetscReal s = at * clock->dt;
@@ -48,7 +48,7 @@ void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
 /* HistoryPath - Computes the weights of earlier velocities in the displacement of a step over dt.
    The formula of Adams and Bashforth: the mean of HistoryAhead() over the step, blended with u^n
    after a jump (velocityjump.c). Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See theory.md,
-   (105) and (319). */
+   (motion:step) and (time:extrapolation). */
 void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 {
   const PetscReal dt = clock->dt;
@@ -83,8 +83,8 @@ static PetscReal StartWeights(const Clock *clock, PetscReal weight[HISTORY])
     BDF2, w = ClockRatio():  start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w),  k = dt (1+w)/(1+2w)
     BDF3, equal steps:       start = (18 u^n - 9 u^{n-1} + 2 u^{n-2})/11,  k = 6 dt/11
 
-  A backward Euler step of length k from this start is a step of BDF: theory.md, (99) and
-  (318). In a jump both are blended with order 1: (362).
+  A backward Euler step of length k from this start is a step of BDF: theory.md, (time:start) and
+  (time:bdf3). In a jump both are blended with order 1: (surface:blend).
 */
 PetscReal HistoryStartWeights(const Clock *clock, PetscReal weight[HISTORY])
 {

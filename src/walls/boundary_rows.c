@@ -9,7 +9,8 @@
 
   The gradient at i is unknown, but linear in the values of the neighbours and the wall data. So
   each row with dummies has a small linear system, whose solution gives new weights. A row that is
-  exact for linear fields remains exact beside walls: theory.md, (51) to (56).
+  exact for linear fields remains exact beside walls: theory.md, (walls:pressure) and those up to
+  (walls:matrix).
 */
 #include "rows/assembly.h"
 #include "boundary_rows.h"

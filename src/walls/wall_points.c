@@ -8,7 +8,7 @@
   u_wall,w is the wall velocity at the wall point of the dummy, u_wall,i at the wall point of i. A
   linear fit along the wall to the wall neighbours of the same side gives u_wall,i. Without the
   first bracket the variation along the wall would enter the row beta times too large:
-  theory.md, (49) and (50).
+  theory.md, (walls:dummy) and (walls:datum).
 */
 #include "rows/assembly.h"
 #include "wall_points.h"

@@ -36,10 +36,10 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
   u_wall is evaluated at the wall point of the particle; the particle stores it too. The second term
   is for the predicted velocity: the projection will change its normal component by
   -projection_factor n.grad phi, and n.grad phi of the pressure increment phi is p_step. See
-  theory.md, (88). It is absent if the boundary gives the pressure itself. The datum of a component
-  whose equation is n.grad u_c is zero. Input: projection_factor - time step of the projection over
-  density; 0 gives the wall velocity itself [m^3 s/kg]. Output: walls - u, and speed_bound, which
-  never decreases; particles - velocities of wall particles.
+  theory.md, (projection:dirichlet). It is absent if the boundary gives the pressure itself. The
+  datum of a component whose equation is n.grad u_c is zero. Input: projection_factor - time step of
+  the projection over density; 0 gives the wall velocity itself [m^3 s/kg]. Output: walls - u, and
+  speed_bound, which never decreases; particles - velocities of wall particles.
 */
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *p, PetscReal t,
                                      PetscReal projection_factor, WallValues *walls)

@@ -12,8 +12,8 @@
   the normal on the particle itself. The rows of rough particles are those of the reactions, as pair
   forces and fits together may drive a flow. With -coupled_gradient adjoint all equations of mass
   have their reactions, and with -coupled_gradient natural those of particles off walls: pair forces
-  and reactions together have no stress on a free surface. See theory.md, (161), (200), (340)
-  to (343) and (373).
+  and reactions together have no stress on a free surface. See theory.md, (surface:adjoint),
+  (surface:share), (surface:work) and (surface:natural) and (surface:rough).
 */
 #include "saddle.h"
 

@@ -8,7 +8,7 @@
     [ dx D               C + c c^T     ] [q] = [g  ]
 
   For several sizes or viscosities the rows of momentum are multiplied by T_i and the rows of mass
-  by dx_i, and T_i/(rho dx_i) C p replaces C q: theory.md, (122).
+  by dx_i, and T_i/(rho dx_i) C p replaces C q: theory.md, (coupled:sizes).
 
   L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
   if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is
@@ -17,7 +17,7 @@
   of the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
   equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices); it vanishes for
   quadratic pressures and needs no condition at walls. The column c of GaugeColumn() fixes the
-  constant of the pressure. See theory.md, (92) to (94).
+  constant of the pressure. See theory.md, (coupled:scales), (coupled:system) and (coupled:modes).
 
   On free surfaces the rows of mass give the pressure, q - Z u = 0, and the unknown there is the
   given q - Z u, see saddlesurface.c. In fluids with a free surface columns of G that oppose their

@@ -8,7 +8,7 @@
   The splines have no mode on the grid that G does not see, so no block C is needed. Splines without
   fluid have the equation q = 0, and the numbers that sides give theirs. For particles of several
   sizes or viscosities q has the unit rho dx_q/T_q, with means of dx_i/T_i over the particles that
-  have a part in D; see theory.md, (389).
+  have a part in D; see theory.md, (coupled:splines).
 */
 #include "saddle.h"
 #include "splines/splines.h"

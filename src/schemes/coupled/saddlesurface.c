@@ -7,8 +7,8 @@
   F alone has no condition on the normal stress and an eigenvalue with negative real part for each
   particle of the surface; no Schur complement of F has a simple approximation. F + G Z has both
   conditions of the surface, and the approximations of schur.c suit its Schur complement:
-  theory.md, (156) and (157). The products G Z and C Z are never formed but for direct solvers:
-  they have twice the entries of F.
+  theory.md, (surface:system) and (surface:schur). The products G Z and C Z are never formed but for
+  direct solvers: they have twice the entries of F.
 */
 #include "saddle.h"
 

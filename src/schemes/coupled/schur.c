@@ -6,7 +6,7 @@
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
   with the factor shift of u in du/dt, sigma = dx^2/T, and the time T of the scaling:
-  theory.md, (95), for particles of several sizes (96).
+  theory.md, (coupled:schur), for particles of several sizes (coupled:cahouet).
 */
 #include "coupled.h"
 

@@ -6,9 +6,9 @@
     nu (A u + B u_wall) - G Z u/rho
 
   A alone has a positive eigenvalue for each particle of the surface, and nu A - G Z/rho has none:
-  theory.md, (157). With Z of the last velocity the same force is explicit. The sum of absolute
-  weights of Z is up to 36/R, and steps of 0.1 dx^2/nu amplified disturbances of single particles:
-  theory.md, (330).
+  theory.md, (surface:schur). With Z of the last velocity the same force is explicit. The sum of
+  absolute weights of Z is up to 36/R, and steps of 0.1 dx^2/nu amplified disturbances of single
+  particles: theory.md, (surface:gain).
 
   The product G Z has twice the entries of A: solvers that only multiply never form it. In the short
   steps of a projection they need no preconditioner: the diagonal of A alone is a worse one.

@@ -6,7 +6,8 @@
    dt/dt_wanted). An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
    short, phi is therefore far too large for the following steps, which may be thousands of times as
    long. An incremental projection therefore adds about the phi that a step of usual length would
-   have; the true change of the pressure in such a short time is small. See theory.md, (91). */
+   have; the true change of the pressure in such a short time is small. See theory.md,
+   (projection:share). */
 static PetscReal PressureGain(const Flow *flow)
 {
   const Projection *pr = (const Projection *)flow->scheme->data;

@@ -7,8 +7,8 @@
   An incremental projection has E of u*: 2 mu n.E n is part of the viscous term, see
   surfacestress.c, the force of the predictor has the other terms, and the increment phi
   vanishes on the surface. With E of the last velocity steps of 0.1 dx^2/nu amplified disturbances
-  of single particles of thin films: theory.md, (330) and (331). Chorin's predictor has no
-  pressure, and phi has E of the velocity at the start of the step.
+  of single particles of thin films: theory.md, (surface:gain) and (surface:predictor). Chorin's
+  predictor has no pressure, and phi has E of the velocity at the start of the step.
 */
 #include "projection.h"
 

@@ -21,7 +21,7 @@ static PetscErrorCode Renumber(Flow *flow)
     b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (increase of n.grad p in the step)
 
   alpha is -ppe_alpha, C the concentration, k the length of the viscous step, and B the wall
-  part of A. See theory.md, (89) and (121).
+  part of A. See theory.md, (projection:system) and (projection:matrix).
 */
 static PetscErrorCode SetSource(Flow *flow, Vec source)
 {
@@ -100,7 +100,7 @@ static PetscErrorCode AccelerateOnParticles(Flow *flow, PetscBool increment, Pet
   gradient, disordered particles have pressure modes p with L^-1 D G p = m p and m < 0. An
   incremental projection amplifies them by about 1 + |m|^(1/2) in each step, however short the step
   is; therefore the filter is needed. Viscosity damps these modes too, so filter and viscosity
-  complement each other. See theory.md, (78) and (79).
+  complement each other. See theory.md, (filters:pressure) and (filters:modes).
 
   The price is a divergence: if a steady pressure has the residual r, the projection leaves the
   divergence k (L - D G) S r/rho, which can feed energy into thin layers. In the cavity at
@@ -129,7 +129,7 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
    the viscous term of grad phi is that of its dilatation, grad (2 nu lap phi). Beside a free
    surface the rows have its condition of zero stress, and weaker forces on a particle that stands
    out, but the same div u*: the pressure then gains more than the viscosity takes. See theory.md,
-   (290). */
+   (surface:stable). */
 static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
 {
   const FlowState   *s   = flow->state;

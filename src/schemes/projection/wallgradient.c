@@ -1,7 +1,8 @@
 /* The wall data of the pressure in the projection: n.grad p = rho n.(f - a) of the momentum
    equation, with the acceleration a of the wall, or a pressure that the boundary gives. The
    pressure of a run that starts from p = 0 has only a share of the full data. The increment of each
-   step has the data that the pressure lacks, and the share grows to 1. See theory.md, (87). */
+   step has the data that the pressure lacks, and the share grows to 1. See theory.md,
+   (projection:wall). */
 #include "projection.h"
 
 /* Returns the time at which the wall gradient is evaluated in a step of length dt to time t: the

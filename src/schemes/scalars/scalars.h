@@ -5,7 +5,8 @@
 
   with the weights g_i of particle i in the mean gradient of a cell, and the velocity w of the fluid
   past the particles. The sum over all particles and points of walls of the first two terms is zero:
-  what boundaries give is what the fluid gains. See theory.md, (496) to (499).
+  what boundaries give is what the fluid gains. See theory.md, (scalars:cells) and
+  (densities:momentum).
 */
 #ifndef ISPH_SCHEMES_SCALARS_H
 #define ISPH_SCHEMES_SCALARS_H

@@ -8,7 +8,7 @@
 
   with the step s of the grid. Isolated particles have their own volume instead of a cell. The sum
   is the volume inside the surface: clumps and voids, and surfaces that rise or sink, change it. See
-  theory.md, (158).
+  theory.md, (surface:cell).
 */
 #include "geometry/cellpolygon.h"
 #include "surface.h"

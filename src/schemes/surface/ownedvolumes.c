@@ -13,7 +13,8 @@
   sum W of w over a lattice. The difference of two velocities lies in the thinner of two fluids,
   with the factor 2 nu_k/(nu_i + nu_k) in that of i, and so do sources. `rate` is
   -surface_volume_rate. E_ij is larger between particles whose supports have no surface: their cells
-  fluctuate, and no volume is lost there. See theory.md, (370) to (372).
+  fluctuate, and no volume is lost there. See theory.md, (surface:exchange), (surface:mass) and
+  (surface:rate).
 */
 #include "surface.h"
 

@@ -2,7 +2,7 @@
    particles determine them, as in noses, their matrix may be nearly singular: a flow of a few
    particles hardly dissipates, and a step of any length drives it to a multiple of the largest
    speed. Pair forces dissipate in any arrangement of particles. A step with a burst is therefore
-   solved again with pair forces about the particles that burst. See theory.md, (374). */
+   solved again with pair forces about the particles that burst. See theory.md, (surface:burst). */
 #include "surface.h"
 
 #define BURST  4.0  /* change of a velocity in a burst over the largest speed before [-] */

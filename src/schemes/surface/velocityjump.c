@@ -4,7 +4,8 @@
    from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
    the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
    order 1. In closed flows walls change the velocity of their own layer only, and no place depends
-   on it; their formulas stay. See theory.md, (360) to (363). */
+   on it; their formulas stay. See theory.md, (surface:jump), (surface:excess), (surface:blend) and
+   (surface:measure). */
 #include "surface.h"
 
 #define SMOOTH  0.06 /* largest J of a step of full order [-] */

@@ -112,7 +112,7 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 
 /* Computes the part f of the body force with which dummies continue the pressure. The stress of a
    form of two passes is continued by its slope, which balances the body force along a wall. No
-   pressure then balances this force a second time: theory.md, (305). */
+   pressure then balances this force a second time: theory.md, (wcsph:shear). */
 static void ContinuingForce(const Wcsph *w, const PetscReal force[], PetscReal f[])
 {
   const Scene *scene = w->flow->scene;

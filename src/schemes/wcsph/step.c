@@ -76,8 +76,8 @@ PetscErrorCode WcsphVolume(const Flow *flow, PetscReal *volume)
 }
 
 /* Multiplies all densities by the factor that restores the volume at the start: theory.md,
-   (286). Errors of div u otherwise add up to a density, and a speed of sound, far from that at
-   rest. */
+   (wcsph:volume). Errors of div u otherwise add up to a density, and a speed of sound, far from
+   that at rest. */
 static PetscErrorCode RestoreVolume(Flow *flow)
 {
   Wcsph    *w = (Wcsph *)flow->scheme->data;

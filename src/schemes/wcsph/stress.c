@@ -186,7 +186,8 @@ static void NeighborStresses(const Wcsph *w, const Stencil *st, PetscInt e, cons
     1/rho_i sum_k (tau_k - tau_i).c_k                       or, transposed,
     1/rho_i sum_k V_k (P_k + P_i).grad_i W,   P = (tau - p I) M^-1
 
-  The stress of a dummy behind a wall is that of NeighborStresses(): theory.md, (216). Input: c
+  The stress of a dummy behind a wall is that of NeighborStresses(): theory.md,
+  (viscosity:continued). Input: c
   - with the correction of the form, or without correction if it is transposed
 */
 void StressForce(const Wcsph *w, const Stencil *st, PetscReal acceleration[])

@@ -79,7 +79,7 @@ static PetscErrorCode WcsphRegister(Flow *flow)
     h (alpha c0 + 0.4 beta h U/L)/(4 (d + 2) nu),   d = dim [-]
 
   This is half of the value for forces between all pairs, because pairs that separate have none:
-  theory.md, (218).
+  theory.md, (wcsph:viscosity).
 
   Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759, for all pairs
 */
