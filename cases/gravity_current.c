@@ -7,6 +7,7 @@
   Reference: H. E. Huppert, J. Fluid Mech. 121 (1982) 43-58
 */
 #include "cases.h"
+#include "isph/strain.h"
 
 #define RADIUS  8.0 /* front at the start [L] */
 #define CORNERS 32  /* of the profile at the start */
@@ -107,26 +108,26 @@ static void GravityCurrentVelocity(const Scene *scene, PetscReal t, const PetscR
   u[up] = 0.0;
 }
 
-/* Computes the mean over sectors of the distance of the outermost particle from the axis, without
-   isolated particles, and the height of the fluid within H of the axis [m]. */
+/* Computes the mean over sectors of the distance of the outermost corner of the surface from the
+   axis, and the height of the surface within H of the axis [m]. */
 static PetscErrorCode MeasureCurrent(const Flow *flow, PetscReal *front, PetscReal *height)
 {
-  const Particles *p  = flow->particles;
-  const PetscInt   up = p->dim - 1, sectors = p->dim == 2 ? 1 : SECTORS;
-  PetscReal        most[SECTORS + 1] = {0.0};
+  const PetscInt       dim = flow->particles->dim, up = dim - 1, sectors = dim == 2 ? 1 : SECTORS;
+  const StrainSurface *surface           = &flow->ops->strain->surface;
+  PetscReal            most[SECTORS + 1] = {0.0};
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal y = p->dim == 2 ? 0.0 : p->x[1][i];
-    const PetscReal r = PetscSqrtReal(PetscSqr(p->x[0][i]) + PetscSqr(y));
-    PetscInt        s = (PetscInt)(sectors * PetscAtan2Real(y, p->x[0][i]) / (0.5 * PETSC_PI));
+  for (PetscInt k = 0; k < surface->n * dim; k++) {
+    const PetscReal *x = &surface->x[k * dim], y = dim == 2 ? 0.0 : x[1];
+    const PetscReal  r = PetscSqrtReal(PetscSqr(x[0]) + PetscSqr(y));
+    PetscInt         s = (PetscInt)(sectors * PetscAtan2Real(y, x[0]) / (0.5 * PETSC_PI));
 
-    if (flow->ops->free && flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
     s       = PetscMin(PetscMax(s, 0), sectors - 1);
     most[s] = PetscMax(most[s], r);
-    if (r < flow->scene->length) most[SECTORS] = PetscMax(most[SECTORS], p->x[up][i]);
+    if (r < flow->scene->length) most[SECTORS] = PetscMax(most[SECTORS], x[up]);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, SECTORS + 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, most, SECTORS + 1, MPIU_REAL, MPIU_MAX, flow->particles->comm));
   *front = 0.0;
   for (PetscInt s = 0; s < sectors; s++) *front += most[s] / sectors;
   *height = most[SECTORS];
@@ -143,6 +144,7 @@ static PetscErrorCode GravityCurrentMeasure(const Flow *flow, Report *report)
   PetscReal       front, height;
 
   PetscFunctionBegin;
+  if (!flow->ops->strain) PetscFunctionReturn(PETSC_SUCCESS); /* -scheme wcsph has no cells */
   PetscCall(MeasureCurrent(flow, &front, &height));
   PetscCall(ReportAdd(report, "age", age));
   if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene) && scene->tension == 0.0) {

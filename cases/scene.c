@@ -72,14 +72,14 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 
     PetscCall(MeasurePose(scene, k, report));
     PetscCall(WallForce(flow, SceneBodySide(scene, k), force));
-    for (PetscInt way = 0; way < (flow->ops->free ? 1 : 2); way++) {
+    for (PetscInt way = 0; way < 2; way++) {
       for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) {
         if (scene->dim == 2 && a > 1 && a < 2 * ISPH_MAX_DIM - 1) continue;
         PetscCall(AddBodyRow(scene, k, way ? "traction_" : "", names[a], force[way][a], report));
       }
     }
     ForceParts(force, part);
-    for (PetscInt q = flow->ops->free ? 2 : 0; q < (part[2] > 0.0 ? 3 : 2); q++)
+    for (PetscInt q = 0; q < (part[2] > 0.0 ? 3 : 2); q++)
       PetscCall(AddBodyRow(scene, k, "", parts[q], part[q], report));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -142,8 +142,7 @@ static void AddHeight(PetscReal k, PetscReal x, PetscReal y, PetscReal sum[12])
 }
 
 /* Computes the amplitude of the surface: the factor of cos kx in a least-squares fit of its height
-   by 1, cos kx and sin kx at smooth particles, or at the middles of facets of strain cells; leaves
-   it without three of them. */
+   by 1, cos kx and sin kx at the middles of facets; leaves it without three of them. */
 static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
 {
   const Particles *p       = flow->particles;
@@ -151,9 +150,7 @@ static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
   PetscReal        sum[12] = {0.0}; /* normal equations by rows, then their right-hand side */
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; flow->ops->free && i < p->n_fluid; i++)
-    if (flow->ops->free->kind[i] == SURFACE_SMOOTH) AddHeight(k, p->x[0][i], p->x[1][i], sum);
-  for (PetscInt f = 0; !flow->ops->free && f < flow->ops->strain->surface.n; f++) {
+  for (PetscInt f = 0; flow->ops->strain && f < flow->ops->strain->surface.n; f++) {
     const PetscReal *x       = &flow->ops->strain->surface.x[4 * f],
                     middle[] = {0.5 * (x[0] + x[2]), 0.5 * (x[1] + x[3])};
 

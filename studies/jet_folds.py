@@ -131,7 +131,7 @@ def part(sides, speeds, run):
            f"{sheets(SPEEDS)} on belts of these speeds; at the speed U of the jet its place varies by 0.01 D only. The folds of jets lie "
            "on each other, so that their free height is less than H.\n")
     yield ("On a belt with the speed U, jets with the gradient of fits folded with f H/U = 0.90, 0.77, 0.70 at n = 6, 8, 12: their bending was "
-           "five times too stiff and their stretching a fifth too soft, at any n ([theory](../theory/surface.md#surface:work)). With "
+           "five times too stiff and their stretching a fifth too soft, at any n ([theory](../theory/surface.md#eq-340)). With "
            "reactions a jet with n = 6 sways there by 0.14 D (root mean square at 3.3 D) and folds once from U t/D = 20 to 80.\n")
     yield "![Place of jets on a belt in the course of time](jet_folds.png)\n"
     yield "Belts of other speeds, n = 8, first start:\n"

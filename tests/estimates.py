@@ -19,7 +19,6 @@ EXACT = {  # flows whose fits are exact: estimate below 1e-6, whatever their par
     "shear, jitter": "-case scene -scene_periodic x -scene_wall_top_velocity 1,0 -scene_exact y,0 -viscosity 1 "
                      "-without convection -scheme coupled -steady -n 12 -jitter 0.2",
     "at rest": "-case hydrostatic -n 12",
-    "puddle": "-case scene -scene_free top -scene_periodic x -body_force 0,-1 -viscosity 0.1 -n 10 -t_end 0.1",
 }
 CLOSE = {  # flow: (cause of the error, options); the estimate within a factor of 4
     "inconsistent form": ("operator", CHANNEL + " -visc_laplacian cleary -t_end 1"),

@@ -14,8 +14,8 @@ from collections import defaultdict
 from pathlib import Path
 
 # Folders of src/ from bottom to top, and cases/; "top" is src/ itself.
-LAYERS = """base options quantities geometry mesh scene particles fits surface rows walls strain operators time flow forces balance solvers splines
-motion start schemes/surface schemes/stages schemes/diffusion schemes/scalars schemes/projection schemes/coupled schemes/wcsph schemes io measures
+LAYERS = """base options quantities geometry mesh scene particles fits rows walls strain operators time flow forces balance solvers splines
+motion start schemes/stages schemes/diffusion schemes/scalars schemes/projection schemes/coupled schemes/wcsph schemes io measures
 cases run patch library top""".split()
 RANK = {folder: k for k, folder in enumerate(LAYERS)}
 

@@ -35,7 +35,6 @@ static const BoundaryRow open_side = {
     .properties = BOUNDARY_PARTICLES,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
-                   [FIT_DIVERGENCE]          = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_PRESSURE]            = EQUATION_VALUE,
                    [FIT_PRESSURE_FREE]       = EQUATION_VALUE},
     .Pressure   = OpenPressure,

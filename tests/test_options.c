@@ -327,7 +327,7 @@ static void test_names(void **state)
                                         {"-scene_body_12_velocty", "-scene_body_12_velocity"},
                                         {"-scene_wall_topp_velocity", "-scene_wall_top_velocity"},
                                         {"-ppe_kps_rtol", "-ppe_ksp_rtol"},
-                                        {"-coupled_gradent", "-coupled_gradient"}};
+                                        {"-pressure_ponts", "-pressure_points"}};
   char                     nearest[OPTION_LENGTH];
 
   (void)state;

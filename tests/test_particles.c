@@ -140,31 +140,6 @@ static void test_balance(void **state)
   ASSERT_OK(ParticlesDestroy(&p));
 }
 
-/* Particles at a surface take more work: ranks with them get fewer particles. */
-static void test_work(void **state)
-{
-  const Setting s = CrowdBox("work", 2, 60, 60, 1, 0, 3);
-  Particles    *p;
-  PetscMPIInt   ranks;
-  PetscInt      work[2] = {0, 0}; /* most, sum */
-
-  (void)state;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
-  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
-  ASSERT_OK(ParticlesRegister(p, "work", 1, HALO_NONE, ENTRY_ZERO, &p->work));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    p->work[i] = p->x[0][i] < s.scene.lo[0] + 9.9 * s.scene.dx ? 5.0 : 0.0;
-  ASSERT_OK(ParticlesUpdateEpoch(&s.scene, p, PETSC_TRUE, NULL));
-  for (PetscInt i = 0; i < p->n_fluid; i++) work[0] += 1 + (PetscInt)p->work[i];
-  work[1] = work[0];
-  MPI_Allreduce(MPI_IN_PLACE, &work[0], 1, MPIU_INT, MPI_MAX, p->comm);
-  MPI_Allreduce(MPI_IN_PLACE, &work[1], 1, MPIU_INT, MPI_SUM, p->comm);
-  assert_int_equal(work[1], 60 * 60 + 5 * 60 * 10);
-  CloudAssertNone("max / mean of work", s.name, (double)work[0] * ranks > 1.1 * work[1]);
-  ASSERT_OK(ParticlesDestroy(&p));
-}
-
 /* Positions differ from the lattice by the jitter at most, and do not depend on the number of
    ranks. */
 static void test_jitter(void **state)
@@ -247,7 +222,6 @@ int main(int argc, char **argv)
       cmocka_unit_test(test_three_dimensions),
       cmocka_unit_test(test_more_ranks_than_particles),
       cmocka_unit_test(test_balance),
-      cmocka_unit_test(test_work),
       cmocka_unit_test(test_jitter),
       cmocka_unit_test(test_cells_find),
   };

@@ -24,7 +24,6 @@ PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
 PetscErrorCode UnevennessReport(Flow *flow);
 
-PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy);
 PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
 PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work);
 PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound);

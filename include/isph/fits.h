@@ -93,58 +93,41 @@ typedef struct {
   PetscReal        h, radius; /* of the coarsest particles; radius of the support [m] */
 } KernelSize;
 
-/* Place of a particle with respect to free surfaces. */
-typedef enum {
-  SURFACE_INSIDE,
-  SURFACE_SMOOTH,
-  SURFACE_ROUGH,   /* no smooth surface passes through the particles nearby */
-  SURFACE_ISOLATED /* too few neighbours */
-} SurfaceKind;
-
 #define SLOPE_NONE ~0u /* Stencil.slope is not computed */
 
 /* Neighbours of a particle with the quantities that row functions read. */
 typedef struct {
-  PetscInt    i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
-  PetscInt    capacity;
-  PetscReal   dx, h, radius;         /* spacing of the particle, smoothing length, support [m] */
-  PetscReal   scale;                 /* multiplies equations of derivatives in fits [m] */
-  PetscReal   stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
-  PetscInt   *j;                     /* local index of each neighbour */
-  PetscInt   *walls;                 /* the n_wall numbers of wall neighbours */
-  PetscReal  *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
-  PetscReal  *r, *V;                 /* distance [m], volume [m^dim] */
-  PetscReal  *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
-  PetscReal  *corrected[2];          /* storage for corrected dW and ddW */
-  PetscBool  *wall;                  /* neighbour is a wall particle */
-  PetscReal  *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid; of neighbours on a free
-                                       surface, out of it */
-  PetscInt   *side;                  /* side or body of wall neighbours */
-  PetscReal  *beta;         /* of dummies: factor of u_wall,i - u_i, theory.md, (walls:dummy) */
-  PetscReal  *share;        /* of dummies: weight in u_wall,i, theory.md, (walls:datum) */
-  PetscReal  *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
-  PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
-  Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */
-  PetscInt    degree;       /* of fits, 2 to MLS_MAX_DEGREE */
-  PetscInt    least_degree; /* of fits whose points do not determine `degree` */
-  PetscInt    surface_degree; /* of fits of particles below a free surface, 2 or 3 */
-  PetscReal   weak;           /* pivot over its diagonal entry at which they do not */
-  MlsFit      fit;            /* of these equations, shared by Laplacian, gradient and filter */
-  PetscReal   volume;         /* of the particle itself [m^dim] */
-  PetscReal   self[3];        /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
-  PetscInt    regularised;    /* number of fits so far whose points did not determine them */
-  PetscBool  *surface;        /* neighbour is on a free surface, where fits have its condition */
-  SurfaceKind kind;           /* of the particle */
-  PetscBool   beside_smooth_surface;    /* the particle or a neighbour is on a smooth part of it */
-  PetscBool   beside_surface;           /* the same on any part of it */
-  PetscBool   has_pair_forces;          /* pair forces in place of a fit, whatever the neighbours */
-  PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
-  unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
-  PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
-  PetscReal  *slope[ISPH_MAX_DIM]; /* of KernelGradients(), kept by StencilGradients() [1/m] */
-  PetscReal  *radial;              /* -V_k W'/r of the same volumes, without correction [1/m^2] */
-  unsigned    sloped;              /* CorrectionBit of slope, or SLOPE_NONE */
-  PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
+  PetscInt   i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
+  PetscInt   capacity;
+  PetscReal  dx, h, radius;         /* spacing of the particle, smoothing length, support [m] */
+  PetscReal  scale;                 /* multiplies equations of derivatives in fits [m] */
+  PetscReal  stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
+  PetscInt  *j;                     /* local index of each neighbour */
+  PetscInt  *walls;                 /* the n_wall numbers of wall neighbours */
+  PetscReal *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
+  PetscReal *r, *V;                 /* distance [m], volume [m^dim] */
+  PetscReal *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
+  PetscReal *corrected[2];          /* storage for corrected dW and ddW */
+  PetscBool *wall;                  /* neighbour is a wall particle */
+  PetscReal *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid */
+  PetscInt  *side;                  /* side or body of wall neighbours */
+  PetscReal *beta;         /* of dummies: factor of u_wall,i - u_i, theory.md, (walls:dummy) */
+  PetscReal *share;        /* of dummies: weight in u_wall,i, theory.md, (walls:datum) */
+  PetscReal *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
+  PetscBool  fits_walls;   /* wall neighbours have equations of their own, otherwise values */
+  Equation  *equation;     /* of each neighbour in the present fit; fluid gives a value */
+  PetscInt   degree;       /* of fits, 2 to MLS_MAX_DEGREE */
+  PetscInt   least_degree; /* of fits whose points do not determine `degree` */
+  PetscReal  weak;         /* pivot over its diagonal entry at which they do not */
+  MlsFit     fit;          /* of these equations, shared by Laplacian, gradient and filter */
+  PetscReal  volume;       /* of the particle itself [m^dim] */
+  PetscReal  self[3];      /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt   regularised;  /* number of fits so far whose points did not determine them */
+  unsigned   correction;   /* CorrectionBit of the present row, for forms that couple components */
+  PetscReal  own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
+  PetscReal *slope[ISPH_MAX_DIM]; /* of KernelGradients(), kept by StencilGradients() [1/m] */
+  PetscReal *radial;              /* -V_k W'/r of the same volumes, without correction [1/m^2] */
+  unsigned   sloped;              /* CorrectionBit of slope, or SLOPE_NONE */
 
   const Scene *scene; /* of the equations of walls */
   PetscBool    slips; /* a neighbour is on a wall along which the fluid slides */

@@ -60,7 +60,6 @@ typedef struct {
 typedef struct {
   const ShiftRow *shift; /* NULL: fixed particles */
   PetscReal       shift_strength;
-  PetscReal       volume_rate;         /* of the control of volume at free surfaces; 0: none [-] */
   PetscReal       velocity_filter;     /* strength of the grid-scale filter of velocities [-] */
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
@@ -78,7 +77,6 @@ typedef struct {
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
-  PetscReal *owned_volume; /* volume that particles own (field); NULL: not controlled [m^dim] */
   Vec        filter_rate[ISPH_MAX_DIM]; /* of VelocityFilterRates() in the present step [1/s] */
   PetscReal *correction[ISPH_MAX_DIM];  /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
@@ -94,9 +92,7 @@ typedef struct {
   Vec       p;                               /* p, on the particles' field; NULL: no pressure */
   Vec       u_next[ISPH_MAX_DIM];            /* u*, then u^{n+1} of the present step [m/s] */
   Vec       p_before;                        /* p^n of the present step [Pa] */
-  Vec       divergence;                      /* div u* - source of the present step [1/s] */
-  Vec       source;                          /* divergence that particles should have, on the
-                                                own fluid; NULL: zero [1/s] */
+  Vec       divergence;                      /* div u* of the present step [1/s] */
   PetscReal tension_energy;                  /* of interfaces, twice, over the mass [m^2/s^2] */
   Vec       interface[ISPH_MAX_DIM];         /* forces of interfaces per unit mass, and weights less
                                                 the body force; NULL: none [m/s^2] */
@@ -213,7 +209,7 @@ typedef struct {
 #define SCHEME_MAX_SOLVES    8
 #define SCHEME_MAX_FIGURES   5
 #define SCHEME_MAX_STAGES    16
-#define SCHEME_MAX_OBSERVERS 2
+#define SCHEME_MAX_OBSERVERS 3
 #define SCHEME_MAX_JUDGES    4
 
 /* A number of a scheme for the report. The run prints a line if it has left its range. */
@@ -237,7 +233,7 @@ typedef struct {
 /* An observer of steps, which changes none. */
 typedef struct {
   PetscBool (*Applies)(const Flow *flow);
-  PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
+  PetscErrorCode (*Begin)(Flow *flow); /* before the first stage; or NULL */
   PetscErrorCode (*End)(Flow *flow);   /* after the last stage, before the time advances */
 } Observer;
 
@@ -388,8 +384,6 @@ extern const Observer ObserverAcceleration;
 
 /* Limits of steps. */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
-PetscReal      SurfaceStep(const Scene *scene);
-PetscReal      ProjectionFreeLimit(const Scene *scene);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 PetscReal      CapillaryLimit(const Scene *scene);
 PetscReal      InterfaceLimit(const Scene *scene);
@@ -410,8 +404,7 @@ PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
 /* Norms, divergence and changes of velocities. */
-PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
-PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
+PetscErrorCode FlowDivergence(const Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
 PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *particles, const Vec e[],
                               PetscReal *norm);

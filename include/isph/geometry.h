@@ -71,6 +71,7 @@ struct BodyMoments {
   PetscReal second[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* int x_i x_j dV about it [m^(dim+2)] */
 };
 
+PetscInt       SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM]);
 void           BodyFindMoments(const Body *body, BodyMoments *moments);
 PetscInt       BodyLoops(const Body *body);
 PetscErrorCode BodyCorners(const Body *body, PetscReal spacing, PetscInt *n, PetscReal **x);

@@ -1,4 +1,4 @@
-/* Motion of particles: paths, shifting, graded motion, openings, collisions. */
+/* Motion of particles: paths, shifting, graded motion, openings. */
 #ifndef ISPH_MOTION_H
 #define ISPH_MOTION_H
 
@@ -27,9 +27,5 @@ void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, Pets
 void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);
 PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[]);
 PetscErrorCode GradedRemember(Flow *flow);
-
-PetscErrorCode FlowCollide(Flow *flow);
-void           FlowSeparate(const Flow *flow, PetscReal apart[]);
-void FlowLimitShift(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[]);
 
 #endif

@@ -104,7 +104,6 @@ PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat
 PetscErrorCode SparseRowsKeep(const SparseRows *rows, const char name[], Mat A);
 PetscErrorCode SparseRowsGet(Mat A, const char name[], SparseRows **rows);
 PetscErrorCode SparseAdd(Mat X, Mat *Y);
-PetscErrorCode SparseAddProduct(Mat X, Mat Y, Mat sum);
 
 #define MAT_VALUES "values" /* rows of a matrix whose values can be computed again */
 PetscErrorCode PatternBlocks(const Particles *particles, PetscInt entries, const Pattern *pattern,

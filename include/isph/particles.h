@@ -89,9 +89,7 @@ typedef struct {
   PetscReal *dx;      /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */
-  PetscReal *work; /* of own fluid beyond that of a particle inside it, a whole number (field): the
-                      balance of ranks counts it; NULL: all are equal */
-  PetscReal  cell_volume;    /* of the lattice of the reference spacing [m^dim] */
+  PetscReal  cell_volume;           /* of the lattice of the reference spacing [m^dim] */
   PetscReal  weight;         /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
   PetscReal  weight_start;   /* the same at the start of the run [-] */
   PetscReal  weight_resized; /* the same of the volumes that ParticlesResize() found [-] */
@@ -117,7 +115,6 @@ typedef struct {
 typedef struct {
   PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
   PetscBool surface;  /* the first of k layers is on the surface, with half a particle volume */
-  PetscBool inside;   /* fluid starts half a spacing below free borders, not on them */
   PetscBool jittered; /* displaced like the fluid, which may come arbitrarily close to them */
 } WallPlacement;
 

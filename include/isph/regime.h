@@ -19,39 +19,34 @@ typedef enum {
   FACT_CURVED     = 1 << 6,  /* there is a pressure or a body */
   FACT_GRADED     = 1 << 7,  /* particles have several sizes */
   FACT_DRIVEN     = 1 << 8,  /* walls or forces depend on time */
-  FACT_TENSION    = 1 << 9,  /* surface tension */
-  FACT_NONLINEAR  = 1 << 10, /* viscosity follows the strain rate */
-  FACT_UNFIT      = 1 << 11, /* splines have no conditions for the scene */
-  FACT_NARROW     = 1 << 12, /* the box is too narrow for splines */
-  FACT_STEP_GIVEN = 1 << 13, /* -dt */
-  FACT_STEADY     = 1 << 14, /* -steady */
-  FACT_FLUIDS     = 1 << 15, /* there are interfaces of fluids */
-  FACT_IMPLICIT   = 1 << 16, /* -convection implicit */
-  FACT_ORDERED    = 1 << 17, /* particles stay on a lattice, or are relaxed */
-  FACT_CUBIC      = 1 << 18, /* -mls_degree 3 */
-  FACT_QUARTIC    = 1 << 19, /* -mls_degree 4 */
-  FACT_EXACT      = 1 << 20, /* Laplacians are exact for quadratic functions */
-  FACT_PAIRS      = 1 << 21, /* the viscous form has dissipative forces along pairs */
-  FACT_BLIND      = 1 << 22, /* a form needs particles behind walls */
-  FACT_COARSE     = 1 << 23, /* -pressure_points coarse */
-  FACT_ASKED      = 1 << 24, /* an option of a pressure on particles */
-  FACT_STRONG     = 1 << 25, /* -velocity_filter above 1 */
-  FACT_WCSPH      = 1 << 26, /* -scheme wcsph */
-  FACT_SUMS       = 1 << 27, /* -density_form summation */
-  FACT_SHIFTS     = 1 << 28, /* -scheme wcsph shifts particles */
-  FACT_CLOUD      = 1 << 29, /* particles of several sizes are on no lattice */
-  FACT_MIXES      = 1 << 30  /* SceneMixes() */
+  FACT_NONLINEAR  = 1 << 9,  /* viscosity follows the strain rate */
+  FACT_NARROW     = 1 << 10, /* the box is too narrow for splines */
+  FACT_STEP_GIVEN = 1 << 11, /* -dt */
+  FACT_STEADY     = 1 << 12, /* -steady */
+  FACT_FLUIDS     = 1 << 13, /* there are interfaces of fluids */
+  FACT_IMPLICIT   = 1 << 14, /* -convection implicit */
+  FACT_ORDERED    = 1 << 15, /* particles stay on a lattice, or are relaxed */
+  FACT_CUBIC      = 1 << 16, /* -mls_degree 3 */
+  FACT_QUARTIC    = 1 << 17, /* -mls_degree 4 */
+  FACT_EXACT      = 1 << 18, /* Laplacians are exact for quadratic functions */
+  FACT_BLIND      = 1 << 19, /* a form needs particles behind walls */
+  FACT_COARSE     = 1 << 20, /* -pressure_points coarse */
+  FACT_ASKED      = 1 << 21, /* an option of a pressure on particles */
+  FACT_STRONG     = 1 << 22, /* -velocity_filter above 1 */
+  FACT_WCSPH      = 1 << 23, /* -scheme wcsph */
+  FACT_SUMS       = 1 << 24, /* -density_form summation */
+  FACT_SHIFTS     = 1 << 25, /* -scheme wcsph shifts particles */
+  FACT_CLOUD      = 1 << 26, /* particles of several sizes are on no lattice */
+  FACT_MIXES      = 1 << 27  /* SceneMixes() */
 } Fact;
-#define FACTS 30
+#define FACTS 27
 
 /* Numbers that rows compare with their bounds. */
 typedef enum {
   NUMBER_NONE,
   NUMBER_CELL,      /* U dx/nu with the least viscosity */
-  NUMBER_SURFACE,   /* nu dt/dx^2 of the steps that a scheme saves at a free surface */
   NUMBER_STIFFNESS, /* nu dt/e^2 with the largest viscosity, e the smallest edge of a cell */
   NUMBER_COURANT,   /* U dt/dx */
-  NUMBER_CONTRAST,  /* largest viscosity over the least one */
   NUMBERS
 } RegimeNumber;
 
@@ -70,7 +65,6 @@ typedef enum {
   REGIME_SHIFT_STRENGTH,
   REGIME_DT_ADAPT,
   REGIME_COURANT,
-  REGIME_GRADIENT,
   REGIME_VISC_PC,
   REGIME_VISC_RTOL,
   REGIME_BLOCK_PC,
@@ -118,8 +112,7 @@ typedef struct {
   unsigned  asked; /* bit k: choice k was read */
 } Regime;
 
-#define REGIME            "by the regime" /* the default of an option with a table */
-#define SURFACE_STIFFNESS 0.1 /* nu dt/dx^2 from which the projection is unstable there */
+#define REGIME "by the regime" /* the default of an option with a table */
 
 extern const RegimeTable RegimeTables[REGIMES]; /* src/scene/regimes.c */
 

@@ -14,7 +14,7 @@
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
-#include "isph/surface.h"
+#include "isph/fits.h"
 
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
@@ -96,17 +96,14 @@ typedef struct {
   const LaplacianRow  *row;        /* NULL: not needed */
   const CorrectionRow *correction; /* NULL: none */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
-  PetscBool  halved; /* particles on surfaces have `share` of their volumes: unsymmetric */
-  PetscReal *factor; /* row->Factor() by local index, times the share; NULL: none */
-  PetscReal *share;  /* of the volume of a particle, LaplacianShare(); NULL: 1 */
-  PetscReal  scale;  /* multiplies all weights; 0: 1 */
+  PetscReal           *factor;     /* row->Factor() by local index; NULL: none */
+  PetscReal            scale;      /* multiplies all weights; 0: 1 */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
 PetscReal      ComposedTrace(const ComposedForm *form, PetscInt dim);
 PetscReal      LaplacianDilatation(const LaplacianForm *form, PetscInt dim);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
-PetscReal      LaplacianShare(const LaplacianForm *form, PetscInt i);
 PetscBool      LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction);
 
 /* Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.
@@ -229,7 +226,6 @@ typedef struct {
   PetscBool            visc_is_laplacian;  /* visc is lap u */
   PetscBool            components_coupled; /* visc couples components: viscous_block.c */
   PetscInt             degree;             /* of least-squares fits */
-  PetscInt             surface_degree;     /* of fits of particles below a free surface */
   PetscReal            h_over_dx;          /* smoothing length over a particle's spacing [-] */
   PetscReal            h, radius; /* of the coarsest particles; radius of the support [m] */
   PetscReal reach; /* largest distance at which assembly reads a particle; width of the halo [m] */
@@ -272,7 +268,6 @@ typedef struct {
   struct StrainCells *strain;      /* of a weak form; NULL: none */
   PetscBool           cut_surface; /* its cells end at the free surface */
   Mat                 cut_part[2]; /* of visc.A if its viscosity varies: cells, tension; or NULL */
-  FreeSurface        *free;        /* NULL: the fluid has no free surface */
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
   PetscInt  assemblies;       /* stamp of the matrices: changes with each assembly */
@@ -301,9 +296,6 @@ static inline PetscBool OperatorsCutFluids(const Scene *scene, const Operators *
   return SceneFluids(scene) > 1 && !SceneMixes(scene) && ops->forms.visc.row &&
          ops->forms.visc.row->weak;
 }
-
-PetscBool OperatorsStressSurface(const Operators *ops);
-PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i);
 
 /* Rows as streams, see src/rows/stream.c. */
 #define STREAM_MARGIN 0.6 /* approach of two particles within a step that the halo allows [dx] */

@@ -53,7 +53,6 @@ typedef enum {
 typedef enum {
   FIT_VELOCITY_NORMAL,     /* component of the velocity along the normal */
   FIT_VELOCITY_TANGENTIAL, /* component along the boundary */
-  FIT_DIVERGENCE,          /* the same in the divergence of a fluid with a free surface */
   FIT_PRESSURE,            /* n.grad p follows from the momentum, or the boundary gives p */
   FIT_PRESSURE_FREE,       /* pressure where n.grad p is not known before the solve */
   FIT_QUANTITIES

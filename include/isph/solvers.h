@@ -76,8 +76,7 @@ void      SetUpRenew(PetscInt numbering, PetscReal shift, LinearSolve *solve);
 void      SetUpCount(PetscInt iterations, SetUp *setup);
 
 /* pairlaplacian.c */
-PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
-                             const PetscReal given[], Mat *A);
+PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal, Mat *A);
 PetscErrorCode PairPoisson(const Flow *flow, Mat *A);
 
 /* timestep.c */

@@ -11,7 +11,6 @@
 #define ISPH_STRAIN_H
 
 #include "isph/rows.h"
-#include "isph/surface.h"
 
 #define CELL_EDGE     0.5 /* of a cell [dx] */
 #define CELL_IN_SPACE 0.8 /* the same in fluids with a free surface in 3D: a quarter of the cells */
@@ -47,9 +46,8 @@ typedef struct {
 typedef struct {
   PetscInt  sets;   /* components with equations of their own at boundaries: 1 or dim */
   PetscBool normal; /* walls along the axes give their normal velocity only; then sets is dim */
-  const PetscBool   *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
-  const FreeSurface *free;  /* the cells end at it, of a scalar the last boundary; NULL: none */
-  PetscBool          cut;   /* the cells end at a free surface of their own, see strainsurface.c */
+  const PetscBool *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
+  PetscBool        cut;   /* the cells end at the free surface, of a scalar the last boundary */
 } StrainQuantity;
 
 /* Parts of boundaries that do not give the value of a scalar, each with a row of its value. */
@@ -145,6 +143,9 @@ PetscBool StrainWaits(const Scene *scene, const Particles *particles, PetscInt w
                       PetscReal *length);
 PetscBool StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
                       PetscReal *volume);
+PetscErrorCode StrainConcentration(const Scene *scene, const Particles *particles,
+                                   const Cells *cells, const PetscReal x[], PetscInt list[],
+                                   PetscReal *C);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
 #endif

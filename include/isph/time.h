@@ -85,6 +85,7 @@ typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
   PetscReal dt_before;          /* length of the step before the previous step [s] */
   PetscReal jump;       /* share of order 1 in the formulas of a step; see velocityjump.c [-] */
+  PetscReal jump_next;  /* the same in the next path [-] */
   PetscReal dt_wanted;  /* dt before a report time shortens it; dt in a run of one step [s] */
   PetscInt  step;       /* finished steps */
   PetscReal t_first;    /* time at the start of this process, not 0 after a restart [s] */
@@ -105,7 +106,6 @@ typedef struct {
   const DtAdaptRow *adapt;
   StepControl       control;     /* with -dt_adapt error */
   PetscInt          retries;     /* number of undone steps */
-  PetscInt          bursts;      /* number of steps whose bursts pair forces ended */
   PetscInt          halvings;    /* the limit of dt is divided by 2^halvings */
   PetscReal         limit;       /* of dt in this step, without halvings [s] */
   PetscInt          good_needed; /* good steps before halvings decreases */

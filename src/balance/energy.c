@@ -5,11 +5,10 @@
     |u|^2/2 + D <= |u(0)|^2/2 + sigma A(0)/M + W,   W = sum_i m_i int f.dx_i/M,
     D = int 2 nu <E:E> dt,
 
-  in flight less the least energy that the surface can have, for walls at rest, with the
-  dissipation of their pair forces for rough particles. |u| is the root mean square. A fluid that
-  breaks the balance has velocities or a height that neither the start nor the body force gives.
-  The bound on the speed of full boxes does not hold here: a fluid that falls touches no wall that
-  slows it. See theory.md, (surface:energy).
+  in flight less the least energy that the surface can have, for walls at rest. |u| is the root mean
+  square. A fluid that breaks the balance has velocities or a height that neither the start nor the
+  body force gives. The bound on the speed of full boxes does not hold here: a fluid that falls
+  touches no wall that slows it. See theory.md, (surface:energy).
 */
 #include "isph/balance.h"
 #include "isph/strain.h"
@@ -48,138 +47,6 @@ PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns 2 E:E = sum_ab (d_a u_b + d_b u_a)^2/2 at own particle i [1/s^2]. Input: gradient -
-   d_a u_c at [c][a]. */
-static PetscReal StrainSquare(PetscInt dim, const PetscScalar *gradient[][ISPH_MAX_DIM], PetscInt i)
-{
-  PetscReal square = 0.0;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++)
-      square += 0.5 * PetscSqr(gradient[b][a][i] + gradient[a][b][i]);
-  }
-  return square;
-}
-
-/* Returns the viscosity of particle i over that of the scene [-]. */
-static PetscReal ViscosityRatio(const Flow *flow, PetscInt i)
-{
-  return flow->particles->nu ? flow->particles->nu[i] / flow->scene->nu : 1.0;
-}
-
-/*
-  Returns the dissipation over the nu of the scene by the row of particle i,
-
-    sum_k s_k n_ik (u_k - u_i).w_ik (u_k - u_i),   s_k = 1/2, of pair forces 1 for walls, at rest
-
-  with the viscosity n_ik of the pair over nu. For a row of a fit this is 2 E:E + (div u)^2.
-
-  The fit of a gradient at a particle with two or three neighbours has no meaning: it made up most
-  of the dissipation of thin noses. Across a jump of the viscosity it has the velocities of both
-  fluids, and its square times the larger viscosity was up to 17 times the energy of the flow. u:
-  velocities of all particles, by [i dim + a] [m/s].
-*/
-static PetscReal PairSquare(const Flow *flow, const PetscReal u[], PetscInt i)
-{
-  const Operators       *ops    = flow->ops;
-  const PetscInt         dim    = flow->scene->dim;
-  const PetscReal        own    = ViscosityRatio(flow, i);
-  const AffineOperator  *op     = &ops->velocity[0].visc;
-  const Pattern *const   of[]   = {&ops->rows.fluid, &ops->rows.walls};
-  const PetscReal *const w[]    = {op->a, ops->forms.wall ? op->b : NULL};
-  PetscReal              sum[2] = {0.0, 0.0};
-
-  for (PetscInt part = 0; part < 2 && w[part]; part++) {
-    for (PetscInt s = of[part]->row[i]; s < of[part]->row[i + 1]; s++) {
-      const PetscInt  j     = of[part]->local[s];
-      const PetscReal ratio = part == 0 ? PairViscosity(own, ViscosityRatio(flow, j)) : own;
-      PetscReal       difference[ISPH_MAX_DIM];
-
-      for (PetscInt a = 0; a < dim; a++)
-        difference[a] = (part == 0 ? u[j * dim + a] : 0.0) - u[i * dim + a];
-      if (part == 0 && j == i) continue;
-      for (PetscInt e = 0; e < dim * dim; e++)
-        sum[part] += ratio * w[part][s * op->width + e] * difference[e / dim] * difference[e % dim];
-    }
-  }
-  return 0.5 * sum[0] + (FreeSurfaceIsRough(ops->free, i) ? 1.0 : 0.5) * sum[1];
-}
-
-/* Computes the weighted sum of 2 E:E over own particles, times their viscosity over that of the
-   scene, with PairSquare() for rough ones and for fluids of several viscosities. */
-static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
-                                 const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
-{
-  const Particles *p       = flow->particles;
-  const PetscBool  several = p->nu && SceneIsNewtonian(flow->scene);
-  PetscReal       *all     = NULL;
-
-  PetscFunctionBegin;
-  *sum = 0.0;
-  if (several || flow->ops->free->has_rough) PetscCall(FlowAllVelocities(flow, u, &all));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal square = several || FreeSurfaceIsRough(flow->ops->free, i)
-                                 ? PairSquare(flow, all, i)
-                                 : ViscosityRatio(flow, i) * StrainSquare(p->dim, gradient, i);
-
-    *sum += ParticlesWeight(p, i) * square;
-  }
-  PetscCall(PetscFree(all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the sum of SumSquares() with gradients of the velocity u [1/s^2]. */
-static PetscErrorCode StrainPower(Flow *flow, const Vec u[], PetscReal *power)
-{
-  const Particles   *p = flow->particles;
-  const PetscScalar *gradient[ISPH_MAX_DIM][ISPH_MAX_DIM];
-  Vec                y[ISPH_MAX_DIM][ISPH_MAX_DIM];
-
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < p->dim; c++) {
-    for (PetscInt a = 0; a < p->dim; a++) {
-      PetscCall(FlowGetWork(flow, &y[c][a]));
-      PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, c)->grad_u[a], u[c], flow->walls.u[c],
-                            y[c][a]));
-      PetscCall(VecGetArrayRead(y[c][a], &gradient[c][a]));
-    }
-  }
-  PetscCall(SumSquares(flow, u, gradient, power));
-  for (PetscInt c = 0; c < p->dim; c++) {
-    for (PetscInt a = 0; a < p->dim; a++) {
-      PetscCall(VecRestoreArrayRead(y[c][a], &gradient[c][a]));
-      PetscCall(FlowRestoreWork(flow, &y[c][a]));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the sum of -u.(A u) over own particles for pair forces, which have no power on the
-   surface [1/s^2]. */
-static PetscErrorCode PairPower(const Flow *flow, const Vec u[], PetscReal *power)
-{
-  const Particles   *p = flow->particles;
-  const Mat          A = flow->ops->velocity[0].visc.A;
-  const PetscScalar *v, *f;
-  Vec                x, y;
-
-  PetscFunctionBegin;
-  *power = 0.0;
-  PetscCall(MatCreateVecs(A, &x, &y));
-  for (PetscInt c = 0; c < p->dim; c++) PetscCall(VecStrideScatter(u[c], c, x, INSERT_VALUES));
-  PetscCall(MatMult(A, x, y));
-  PetscCall(VecGetArrayRead(x, &v));
-  PetscCall(VecGetArrayRead(y, &f));
-  for (PetscInt e = 0; e < p->n_fluid * p->dim; e++)
-    *power -= ParticlesWeight(p, e / p->dim) * LaplacianShare(&flow->ops->forms.visc, e / p->dim) *
-              PetscRealPart(v[e] * f[e]);
-  PetscCall(VecRestoreArrayRead(x, &v));
-  PetscCall(VecRestoreArrayRead(y, &f));
-  PetscCall(VecDestroy(&x));
-  PetscCall(VecDestroy(&y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Computes the sum of V_c/V nu_c/nu 2 E:E over own cells of a weak form [1/s^2]. */
 static PetscErrorCode CellPower(const Flow *flow, const Vec u[], PetscReal *power)
 {
@@ -201,38 +68,15 @@ static PetscErrorCode CellPower(const Flow *flow, const Vec u[], PetscReal *powe
 }
 
 /* Computes the energy per mass that viscosity takes in the step, if the velocity is u, between
-   walls at rest [m^2/s^2]; zero, which loosens the bound, without assembled operators. */
+   walls at rest [m^2/s^2]; zero, which loosens the bound, without cells. */
 static PetscErrorCode Dissipation(Flow *flow, const Vec u[], PetscReal *energy)
 {
-  const Particles     *p    = flow->particles;
-  const LaplacianForm *form = &flow->ops->forms.visc;
-
   PetscFunctionBegin;
   *energy = 0.0;
-  if (!form->row || flow->ops->needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
-  if (flow->ops->strain) PetscCall(CellPower(flow, u, energy));
-  else if (LaplacianIs(form, FORM_SYMMETRIC) || form->halved) PetscCall(PairPower(flow, u, energy));
-  else PetscCall(StrainPower(flow, u, energy));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  if (!flow->ops->strain) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CellPower(flow, u, energy));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPIU_SUM, flow->particles->comm));
   *energy *= flow->scene->nu * flow->clock->dt / Mass(flow);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* EnergyTension - Computes twice the energy of the surface tension over the mass of the fluid
-   [m^2/s^2]; each particle on the surface has the area dx^(dim-1); collective */
-PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy)
-{
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
-  PetscReal        sum   = 0.0;
-
-  PetscFunctionBegin;
-  *energy = flow->state->tension_energy;
-  if (scene->tension == 0.0 || flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  *energy = 2.0 * scene->tension * sum / (scene->rho * p->weight * p->cell_volume);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

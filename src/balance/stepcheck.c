@@ -29,13 +29,6 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the concentration at the particles if they should be evenly spread: shifting spreads
-   those of a full box. NULL: not assembled, or a surface moves. */
-static const PetscReal *Concentrations(const Flow *flow)
-{
-  return flow->ops->free ? NULL : flow->ops->concentration.value;
-}
-
 /* Measures kinetic energy, largest speed, the largest speed to which walls can have driven the
    fluid, the unevenness and, with a pressure, the largest divergence. Collective. Input: u -
    velocity components. Output: scheme->stats, bound.walls. */
@@ -44,7 +37,7 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   const Scene       *scene  = flow->scene;
   const Particles   *p      = flow->particles;
   Scheme            *s      = flow->scheme;
-  const PetscReal   *C      = Concentrations(flow);
+  const PetscReal   *C      = flow->ops->concentration.value;
   PetscReal          sum[3] = {0.0}, most[3] = {0.0, flow->walls.speed_bound, 0.0};
   const PetscScalar *v[ISPH_MAX_DIM];
 
@@ -95,8 +88,7 @@ static const char *StartOption(const Flow *flow)
    a run. Collective. Errors: a speed whose square is not finite ends the run. */
 PetscErrorCode FlowMeasureStart(Flow *flow)
 {
-  Scheme   *s = flow->scheme;
-  PetscReal energy;
+  Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
   PetscCall(MeasureFlow(flow, flow->state->u));
@@ -105,8 +97,7 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
             StartOption(flow), (double)PetscSqrtReal(PETSC_MAX_REAL));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, 0.0, NULL));
   for (PetscInt k = 0; k < 3; k++) s->stats.change[k] = PETSC_INFINITY;
-  PetscCall(EnergyTension(flow, &energy));
-  s->bound.start = PetscSqrtReal(PetscSqr(FlowRmsSpeed(flow)) + energy);
+  s->bound.start = PetscSqrtReal(PetscSqr(FlowRmsSpeed(flow)) + flow->state->tension_energy);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

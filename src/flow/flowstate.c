@@ -39,7 +39,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   PetscCall(VecDestroy(&s->p));
   PetscCall(PetscFree(s->kept_fits.number));
   s->kept_fits = (KeptFits){.n = 0};
-  PetscCall(VecDestroyAll(&s->p_before, &s->divergence, &s->source));
+  PetscCall(VecDestroyAll(&s->p_before, &s->divergence));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -113,8 +113,6 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     PetscCall(FluidVec(p, p->p, &s->p));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
-    if (s->owned_volume) PetscCall(FluidVec(p, NULL, &s->source));
-    if (s->owned_volume) PetscCall(VecZeroEntries(s->source));
   }
   for (PetscInt a = 0; a < p->dim; a++)
     if (SceneMixes(flow->scene) || (flow->ops->cut_surface && flow->scene->tension > 0.0))

@@ -16,25 +16,6 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
              : PETSC_INFINITY;
 }
 
-/* SurfaceStep - Returns SURFACE_STIFFNESS dx^2/nu for the largest viscosity, the step above which
-   flows with a free surface have the coupled scheme by default; infinity without one [s] */
-PetscReal SurfaceStep(const Scene *scene)
-{
-  return SceneHasFreeSurface(scene) && SceneHas(scene, PHYSICS_VISCOSITY)
-             ? SURFACE_STIFFNESS * PetscSqr(scene->dx) / scene->nu_high
-             : PETSC_INFINITY;
-}
-
-/* ProjectionFreeLimit - Returns the step of the projection with a free surface, 0.1 dx^2/nu;
-   infinity without one, and with a viscosity that varies [s]. Steps up to 0.5 dx^2/nu are stable,
-   but thin films lose accuracy: tried.md. With a viscosity that varies, rows beside the surface
-   have pair forces without the pressure of u*: a Bingham column (options/heap.opts) was stable in
-   steps of 80 dx^2/nu. */
-PetscReal ProjectionFreeLimit(const Scene *scene)
-{
-  return SceneViscosityVaries(scene) ? PETSC_INFINITY : SurfaceStep(scene);
-}
-
 /* Returns t_v + sqrt(t_v^2 + t_c^2), the longest step of waves of inertia that viscosity slows. */
 static PetscReal WaveStep(PetscReal viscous, PetscReal square)
 {

@@ -31,7 +31,7 @@ PetscErrorCode FlowAssemble(Flow *flow)
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
   if (flow->scheme->row->Assemble) PetscCall(flow->scheme->row->Assemble(flow));
-  if (!SceneMoves(flow->scene) && !flow->ops->free) PetscCall(NeighborsRelease(flow->neighbors));
+  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,7 +58,8 @@ PetscErrorCode FlowStep(Flow *flow)
   PetscFunctionBegin;
   s->failure.code         = PETSC_SUCCESS;
   flow->scene->rheology.t = flow->clock->t + flow->clock->dt;
-  for (PetscInt k = 0; k < s->n_observers; k++) PetscCall(s->observer[k]->Begin(flow));
+  for (PetscInt k = 0; k < s->n_observers; k++)
+    if (s->observer[k]->Begin) PetscCall(s->observer[k]->Begin(flow));
   for (PetscInt k = 0; k < s->n_stages && !s->failure.code;) {
     PetscCall(PetscLogStagePush(s->stage_log[k]));
     PetscCall(s->stage[k]->Do(flow));

@@ -2,32 +2,14 @@
    particles; and the start of an implicit step. */
 #include "isph/flow.h"
 
-/* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free
-   surfaces [1/s]; collective */
-PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows)
+/* FlowDivergence - Computes the divergence of a velocity u, which the equations of mass make zero
+   [1/s]; collective */
+PetscErrorCode FlowDivergence(const Flow *flow, const Vec u[], Vec div)
 {
   PetscFunctionBegin;
-  PetscCall(VecZeroEntries(rows));
+  PetscCall(VecZeroEntries(div));
   for (PetscInt c = 0; c < flow->scene->dim; c++)
-    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], rows));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FlowDivergence - Computes div u - source of a velocity u, which the equations of mass make zero;
-   zero on free surfaces, whose particles have none [1/s]; collective */
-PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
-{
-  const FreeSurface *free = flow->ops->free;
-  PetscScalar       *values;
-
-  PetscFunctionBegin;
-  PetscCall(FlowMassRows(flow, u, div));
-  if (flow->state->source) PetscCall(VecAXPY(div, -1.0, flow->state->source));
-  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArray(div, &values));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (FreeSurfaceHolds(free, i)) values[i] = 0.0;
-  PetscCall(VecRestoreArray(div, &values));
+    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], div));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

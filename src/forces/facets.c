@@ -255,7 +255,7 @@ PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *f)
   PetscBool     *dry;
 
   PetscFunctionBegin;
-  if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc2(f->n * parts * dim, &x, f->n * parts, &dry));
   for (PetscInt k = 0; k < f->n; k++) SetParts(f, k, n, &x[k * parts * dim]);
   PetscCall(ProbeDry(flow, f->n * parts, x, dry));

@@ -218,7 +218,7 @@ static PetscErrorCode Measure(const Flow *flow, Reaction *r, PetscReal force[])
   PetscCall(PetscArrayzero(force, 2 * ISPH_MAX_DIM));
   if (flow->ops->strain) PetscCall(AddCells(flow, r, force, torque));
   if (flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
-  if (flow->ops->free) {
+  if (SceneHasFreeSurface(scene)) {
     PetscCall(AddTractions(flow, r->side, r, NULL, force, torque));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

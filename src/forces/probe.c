@@ -10,11 +10,11 @@
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
 #include "isph/forces.h"
+#include "isph/strain.h"
 
-#define WET        1.3 /* distance of the nearest particle from which on a point is dry [dx] */
-#define KEY        (4 + ISPH_MAX_DIM) /* numbers that tell fits apart */
-#define KEPT_MOST  (1 << 24)          /* numbers of kept fits on a rank, 128 MiB */
-#define ON_SURFACE 0.01 /* height above a free surface up to which a point is on it [dx] */
+#define DRY       0.49 /* concentration below which a point is dry; 1/2 on a surface */
+#define KEY       (4 + ISPH_MAX_DIM) /* numbers that tell fits apart */
+#define KEPT_MOST (1 << 24)          /* numbers of kept fits on a rank, 128 MiB */
 
 /* Data shared by the fits of all points. */
 typedef struct {
@@ -252,24 +252,18 @@ static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if x is outside the free surface: no particle is near, or the nearest one is on the
-   surface and x is beyond its tangent plane. Particles of the surface lie on it. */
+/* Returns true if x is outside the free surface: the fluid around has less than half of the
+   concentration inside. */
 static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *dry)
 {
-  const FreeSurface *free  = probe->flow->ops->free;
-  const Particles   *p     = probe->flow->particles;
-  const PetscReal    dx    = SceneSpacing(probe->flow->scene, x);
-  PetscReal          above = 0.0;
-  PetscInt           j;
+  const Scene *scene = probe->flow->scene;
+  PetscReal    C;
 
   PetscFunctionBegin;
   *dry = PETSC_FALSE;
-  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(NearestFluid(probe, x, WET * dx, &j));
-  *dry = j < 0 || free->kind[j] == SURFACE_ISOLATED;
-  if (*dry || free->kind[j] == SURFACE_INSIDE) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < p->dim; a++) above += free->normal[j * p->dim + a] * (x[a] - p->x[a][j]);
-  *dry = above > ON_SURFACE * dx;
+  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StrainConcentration(scene, probe->flow->particles, &probe->cells, x, probe->list, &C));
+  *dry = C < DRY ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -225,3 +225,26 @@ void BodyFindMoments(const Body *body, BodyMoments *moments)
         fine[4 + e] - fine[1 + i] * fine[1 + j] / fine[0];
   }
 }
+
+/* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
+   two in 3D; returns their number; not collective */
+PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
+{
+  PetscInt  least = 0;
+  PetscReal length;
+
+  if (dim == 2) {
+    t[0][0] = -n[1];
+    t[0][1] = n[0];
+    return 1;
+  }
+  for (PetscInt a = 1; a < 3; a++) least = PetscAbsReal(n[a]) < PetscAbsReal(n[least]) ? a : least;
+  length = PetscSqrtReal(1.0 - PetscSqr(n[least]));
+  for (PetscInt a = 0; a < 3; a++) t[0][a] = ((a == least) - n[least] * n[a]) / length;
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
+
+    t[1][a] = n[b] * t[0][c] - n[c] * t[0][b];
+  }
+  return 2;
+}

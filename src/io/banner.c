@@ -335,10 +335,6 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerStages(flow->scheme, viewer));
   PetscCall(TableViewRow("motion", flow->scene->motion, viewer));
   PetscCall(TableViewRow("shift", flow->state->shift, viewer));
-  if (flow->state->volume_rate > 0.0)
-    PetscCall(PetscViewerASCIIPrintf(
-        viewer, BANNER_LABEL "inside the free surface controlled, -surface_volume_rate %.3g\n",
-        "volume", (double)flow->state->volume_rate));
   PetscCall(TableViewRow("kernel", ops->forms.kernel, viewer));
   PetscCall(TableViewRow("visc lap.", ops->forms.visc.row, viewer));
   PetscCall(TableViewRow("ppe lap.", ops->forms.ppe.row, viewer));

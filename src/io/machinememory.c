@@ -17,7 +17,7 @@ static PetscReal ParticleBytes(const Flow *flow)
   const PetscReal  more  = PetscPowRealInt(ops->forms.radius / (RADIUS * scene->dx), scene->dim);
   MemoryKind       kind  = MEMORY_FIXED;
 
-  if (ops->free) kind = MEMORY_FREE;
+  if (ops->cut_surface) kind = MEMORY_FREE;
   else if (SceneMoves(scene)) kind = MEMORY_MOVING;
   else if (ops->rows.repeats && scene->jitter == 0.0 && !SceneIsGraded(scene)) kind = MEMORY_EVEN;
   return 1e3 * flow->scheme->row->memory[scene->dim - 2][kind] * (1.0 - SHARE + SHARE * more);

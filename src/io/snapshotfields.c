@@ -145,17 +145,6 @@ static int Label_Type(const Flow *flow, PetscInt i)
   return (int)flow->particles->kind[i];
 }
 
-static PetscBool Has_Surface(const Flow *flow)
-{
-  return flow->ops->free ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Returns the place of a particle with respect to the free surface, SurfaceKind. */
-static int Label_Surface(const Flow *flow, PetscInt i)
-{
-  return i < flow->particles->n_fluid ? (int)flow->ops->free->kind[i] : 0;
-}
-
 /* Returns the boundary number of a wall particle; -1 for fluid. */
 static int Label_Boundary(const Flow *flow, PetscInt i)
 {
@@ -204,11 +193,6 @@ static const SnapshotField fields[] = {
      .Gather = Gather_StrainRate},
     {.name = "volume", .units = "m^dim", .shape = FIELD_SCALAR, .Fluid = Fluid_Volume},
     {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Label = Label_Type},
-    {.name  = "surface",
-     .units = "0 inside, 1 on a free surface, 2 on a rough one, 3 isolated",
-     .shape = FIELD_LABEL,
-     .Has   = Has_Surface,
-     .Label = Label_Surface},
     {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Label = Label_Boundary},
     {.name  = "fluid",
      .units = "k of -scene_fluid_k, 0 elsewhere",

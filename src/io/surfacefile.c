@@ -6,7 +6,7 @@
 
   Reference: VTK file formats, docs.vtk.org
 */
-#include "isph/surface.h"
+#include "isph/geometry.h"
 #include "snapshot.h"
 
 /* Writes a list of words as VTK does, a code for each letter and 0 after each word. */

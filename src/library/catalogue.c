@@ -7,7 +7,6 @@
 #include "isph/run.h"
 #include "schemes/coupled/coupled.h"
 #include "schemes/projection/projection.h"
-#include "schemes/surface/surface.h"
 #include "schemes/wcsph/wcsph.h"
 
 static const Table *const tables[] = {&CaseTable,
@@ -28,30 +27,21 @@ static const Table *const tables[] = {&CaseTable,
                                       &GradientTable,
                                       &WallTable,
                                       &ViscousIntegratorTable,
-                                      &CoupledGradientTable,
                                       &EquationOfStateTable,
                                       &DensityFormTable,
                                       &PressureReductionTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-const OptionTable *const CatalogueOptions[] = {&ProgramOptions,    &CaseOptions,
-                                               &SceneOptions,      &SpacingOptions,
-                                               &StartOptions,      &TypedOptions,
-                                               &BodyOptions,       &FreeBodyOptions,
-                                               &ScalarOptions,     &BoundaryOptions,
-                                               &OpeningOptions,    &RheologyOptions,
-                                               &FrameOptions,      &TimeOptions,
-                                               &SchemeOptions,     &PressurePointsOptions,
-                                               &ProjectionOptions, &ViscosityOptions,
-                                               &CoupledOptions,    &WcsphOptions,
-                                               &MotionOptions,     &SurfaceVolumeOptions,
-                                               &ParticleOptions,   &OperatorOptions,
-                                               &GuardOptions,      &SnapshotOptions,
-                                               &MonitorOptions,    &ReportOptions,
-                                               &ProgressOptions,   &CheckpointOptions,
-                                               &PatchOptions,      &SolverOptions,
-                                               &PluginOptions,     NULL};
+const OptionTable *const CatalogueOptions[] = {
+    &ProgramOptions,    &CaseOptions,      &SceneOptions,    &SpacingOptions,
+    &StartOptions,      &TypedOptions,     &BodyOptions,     &FreeBodyOptions,
+    &ScalarOptions,     &BoundaryOptions,  &OpeningOptions,  &RheologyOptions,
+    &FrameOptions,      &TimeOptions,      &SchemeOptions,   &PressurePointsOptions,
+    &ProjectionOptions, &ViscosityOptions, &WcsphOptions,    &MotionOptions,
+    &ParticleOptions,   &OperatorOptions,  &GuardOptions,    &SnapshotOptions,
+    &MonitorOptions,    &ReportOptions,    &ProgressOptions, &CheckpointOptions,
+    &PatchOptions,      &SolverOptions,    &PluginOptions,   NULL};
 
 /* CatalogueTable - Returns table k of named rows, NULL after the last */
 const Table *CatalogueTable(PetscInt k)

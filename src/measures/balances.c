@@ -397,7 +397,10 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
   SetMass(flow, &l);
   for (PetscInt side = 0; side < n; side++) {
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES)) continue;
-    AddLoads(flow, &of[side], flow->ops->free ? scene->outside : l.pressure / l.area, &l);
+    AddLoads(flow, &of[side],
+             SceneHasFreeSurface(scene) && !flow->ops->cut_surface ? scene->outside
+                                                                   : l.pressure / l.area,
+             &l);
     PetscCall(FreeAll(&of[side].f, &of[side].p, &of[side].u));
     PetscCall(FacetsFree(&of[side].s));
   }
@@ -455,7 +458,7 @@ PetscErrorCode BalancesOfFailed(Flow *flow, Report *report, PetscViewer viewer)
   PetscFunctionBegin;
   flow->scheme->sheet.applies[BALANCE_FORCE]  = PETSC_FALSE;
   flow->scheme->sheet.applies[BALANCE_TORQUE] = PETSC_FALSE;
-  if (!flow->ops->free && !o->open) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasFreeSurface(flow->scene) && !o->open) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ReportRows(flow, report));
   PetscCall(PetscViewerASCIIPrintf(
       viewer, "at t = %.6g the fluid had the volume %.6g: %.6g entered, %.6g left",

@@ -210,8 +210,7 @@ PetscErrorCode DefectCreate(const Flow *flow, Defect *d)
 
   PetscFunctionBegin;
   *d = (Defect){.mass = NULL};
-  if (SceneMoves(flow->scene) || flow->ops->free)
-    PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
+  if (SceneMoves(flow->scene)) PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
   else PetscCall(NeighborsSearch(p, flow->neighbors));
   PetscCall(PetscMalloc4(p->n_fluid, &d->mass, ParticlesAll(p), &d->nu, p->n_fluid + 1,
                          &d->rows.row, p->n_fluid, &d->rows.wall));

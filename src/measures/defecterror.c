@@ -85,11 +85,10 @@ static PetscErrorCode Assemble(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the rows of d/dx_a. Particles on a free surface have a given pressure, and no column. */
+/* Sets the rows of d/dx_a. */
 static PetscErrorCode SetGradient(const Flow *flow, const CompactRows *rows, PetscInt a, Mat G)
 {
-  const Particles   *p    = flow->particles;
-  const FreeSurface *free = flow->ops->free;
+  const Particles *p = flow->particles;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -97,10 +96,8 @@ static PetscErrorCode SetGradient(const Flow *flow, const CompactRows *rows, Pet
 
     for (PetscInt k = rows->row[i]; k < rows->row[i + 1]; k++) {
       own -= rows->slope[a][k];
-      if (FreeSurfaceHolds(free, rows->col[k])) continue;
       PetscCall(MatSetValue(G, p->row[i], p->row[rows->col[k]], rows->slope[a][k], ADD_VALUES));
     }
-    if (FreeSurfaceHolds(free, i)) own = 0.0;
     PetscCall(MatSetValue(G, p->row[i], p->row[i], own, ADD_VALUES));
   }
   PetscCall(Assemble(G));

@@ -1,29 +1,27 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. The volume inside the surface
-   is the sum over the cells of the particles. The reference is the sum of the volumes of the
-   particles, which never change. See theory.md, (surface:cell). */
+   is that of the strain cells. The reference is the sum of the volumes of the particles, which
+   never change. */
 #include "isph/balance.h"
+#include "isph/strain.h"
 #include "monitors.h"
-#include "schemes/surface/surface.h"
-
-#define GRID 4 /* points of the cells along dx */
 
 /* FluidVolume - Computes the volume inside the free surface [m^dim]. Collective. Output: volume -
-   at the places of the last step; mass - sum of the volumes of the particles, its reference. */
+   of the cells; mass - sum of the volumes of the particles, its reference. */
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
-  const PetscInt n   = flow->particles->n_fluid;
-  PetscReal      sum = 0.0, *cell;
+  const Particles   *p     = flow->particles;
+  const StrainCells *cells = flow->ops->strain;
+  PetscReal          sum   = 0.0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &cell));
-  /* fixed particles keep no lists of neighbours */
-  PetscCall(NeighborsUpdate(flow->particles, 0.0, flow->neighbors));
-  PetscCall(FlowCellVolumes(flow, GRID, cell));
-  for (PetscInt i = 0; i < n; i++) sum += cell[i];
-  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
-  PetscCall(PetscFree(cell));
-  PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, flow->particles->comm));
-  *mass = flow->particles->weight * flow->particles->cell_volume;
+  for (PetscInt c = 0; c < cells->n; c++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+    if (ParticlesHolds(p, x)) sum += cells->volume[c];
+  }
+  PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  *mass = p->weight * p->cell_volume;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -32,8 +30,10 @@ static PetscErrorCode PrepareVolume(Flow *flow, const Monitor *monitor)
 {
   PetscFunctionBegin;
   (void)monitor;
-  UserCheck(flow->ops->free,
-            "-probe_volume: this flow has no free surface, and its volume is that of the box");
+  UserCheck(
+      flow->ops->cut_surface,
+      "-probe_volume: this flow has no free surface of strain cells; without a surface the volume "
+      "is that of the box, and -scheme wcsph has none");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,8 +51,8 @@ static PetscErrorCode WriteVolume(const Flow *flow, Monitor *monitor)
 const MonitorKind MonitorVolume = {
     .name = "volume", .header = "volume,error", .Prepare = PrepareVolume, .Write = WriteVolume};
 
-/* Adds volume, first moments, momentum and angular momentum of own particles to the sums, over the
-   density; extends [-x_min, x_max, -y_min, ...] of the fluid without isolated particles. */
+/* Adds mass, first moments, momentum and angular momentum of own particles to the sums; extends
+   [-x_min, x_max, -y_min, ...] of the fluid. */
 static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
                        PetscReal extent[])
 {
@@ -60,19 +60,28 @@ static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal
   const PetscInt   d = p->dim;
 
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal V = p->volume[i];
+    const PetscReal m = p->volume[i] * ParticlesDensity(flow->scene, p, i);
 
-    sum[0] += V;
+    sum[0] += m;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt b = (a + 1) % d;
 
-      sum[1 + a] += V * p->x[a][i];
-      sum[4 + a] += V * (PetscReal)PetscRealPart(u[a][i]);
-      sum[7 + a] += V * PetscRealPart(p->x[a][i] * u[b][i] - p->x[b][i] * u[a][i]);
-      if (flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
+      sum[1 + a] += m * p->x[a][i];
+      sum[4 + a] += m * (PetscReal)PetscRealPart(u[a][i]);
+      sum[7 + a] += m * PetscRealPart(p->x[a][i] * u[b][i] - p->x[b][i] * u[a][i]);
       extent[2 * a]     = PetscMax(extent[2 * a], -p->x[a][i]);
       extent[2 * a + 1] = PetscMax(extent[2 * a + 1], p->x[a][i]);
     }
+  }
+}
+
+/* Extends the fluid to the corners of the surface. */
+static void AddSurface(PetscInt d, const StrainSurface *surface, PetscReal extent[])
+{
+  for (PetscInt k = 0; k < surface->n * d * d; k++) {
+    if (surface->between[k / (d * d)]) continue;
+    extent[2 * (k % d)]     = PetscMax(extent[2 * (k % d)], -surface->x[k]);
+    extent[2 * (k % d) + 1] = PetscMax(extent[2 * (k % d) + 1], surface->x[k]);
   }
 }
 
@@ -80,9 +89,8 @@ static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal
   MeasureFree - Computes the quantities of fluids with a free surface
 
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
-    sign, per metre of depth; x_min, x_max, y_min, ...: where the outermost particles are, but for
-    isolated ones [m]; fluid_volume, inside the surface, its reference the volume of the particles
-    [m^dim]
+    sign, per metre of depth; x_min, x_max, y_min, ...: where the surface or the outermost particles
+    are [m]; fluid_volume, inside the surface, its reference the volume of the particles [m^dim]
 
   Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
   and is left out.
@@ -98,10 +106,11 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   char               name[8];
 
   PetscFunctionBegin;
-  if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt e = 0; e < 2 * d; e++) extent[e] = -PETSC_INFINITY;
   for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArrayRead(flow->state->u[a], &u[a]));
   AddMoments(flow, u, sum, extent);
+  if (flow->ops->cut_surface) AddSurface(d, &flow->ops->strain->surface, extent);
   for (PetscInt a = 0; a < d; a++) PetscCall(VecRestoreArrayRead(flow->state->u[a], &u[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 10, MPIU_REAL, MPIU_SUM, flow->particles->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extent, 2 * (PetscMPIInt)d, MPIU_REAL, MPIU_MAX,
@@ -109,8 +118,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   for (PetscInt a = 0; a < d; a++) {
     const PetscInt b = (a + 1) % d;
 
-    L[a] = flow->scene->rho *
-           (sum[7 + a] - (sum[1 + a] * sum[4 + b] - sum[1 + b] * sum[4 + a]) / sum[0]);
+    L[a] = sum[7 + a] - (sum[1 + a] * sum[4 + b] - sum[1 + b] * sum[4 + a]) / sum[0];
     size += PetscSqr(L[a]);
     if (SceneIsPeriodic(flow->scene, a)) periodic = PETSC_TRUE;
   }
@@ -120,10 +128,9 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
     PetscCall(PetscSNPrintf(name, sizeof(name), "%c_%s", "xyz"[e / 2], e % 2 ? "max" : "min"));
     PetscCall(ReportAdd(report, name, e % 2 ? extent[e] : -extent[e]));
   }
+  if (!flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FluidVolume(flow, &volume, &mass));
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
-  if (SceneMoves(flow->scene) && flow->clock->bursts)
-    PetscCall(ReportAdd(report, "bursts", flow->clock->bursts));
   BalanceSet(BALANCE_VOLUME, volume / mass - 1.0, PetscAbsReal(volume / mass - 1.0), flow->clock->t,
              &flow->scheme->sheet);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -228,9 +228,8 @@ PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
   Worst            worst = {-1, -1.0};
 
   PetscFunctionBegin;
-  /* fixed particles keep no rows of neighbours; stencils beside free surfaces read several rows */
-  if (SceneMoves(flow->scene) || flow->ops->free)
-    PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
+  /* fixed particles keep no rows of neighbours */
+  if (SceneMoves(flow->scene)) PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
   else PetscCall(NeighborsSearch(p, flow->neighbors));
   PetscCall(ParticlesHaloComponents(p, p->u));
   PetscCall(AddParticles(flow, &sums, &worst));

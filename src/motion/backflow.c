@@ -67,8 +67,7 @@ PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants)
   PetscInt    *list;
 
   PetscFunctionBegin;
-  if (flow->ops->free || !SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
   moves_in = MovesIn(scene, p);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moves_in, 1, MPIU_BOOL, MPI_LOR, p->comm));
   if (!moves_in) PetscFunctionReturn(PETSC_SUCCESS);

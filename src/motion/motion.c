@@ -2,16 +2,14 @@
    shift that keeps them evenly spread. Taylor series give the change of their fields. */
 #include "isph/motion.h"
 
-#define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
-#define PASSES       0.5 /* distance from a side below which a particle passes it [dx_i] */
-#define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
-#define MOVE_MOST    0.6 /* displacement with the flow above which a step is undone [dx_i] */
+#define PASSES    0.5 /* distance from a side below which a particle passes it [dx_i] */
+#define CLEARANCE 0.3 /* least distance of particles from walls [dx_i] */
+#define MOVE_MOST 0.6 /* displacement with the flow above which a step is undone [dx_i] */
 
 /* Derivatives at the old positions, which give the change of the fields of a displaced particle:
    the gradient of the pressure; with shifting also grad u and, if the viscous operator is a
    Laplacian, lap u; with the velocity filter also grad u and the residual of a quadratic fit of u.
-   Unneeded vectors are NULL. The displacements of rough particles from their neighbours follow from
-   the old positions too. */
+   Unneeded vectors are NULL. */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
@@ -19,7 +17,6 @@ typedef struct {
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
-  PetscReal         *apart; /* FlowSeparate(); NULL without shifting or a free surface */
 } Slopes;
 
 /* Computes y = op f in a work vector and gets the array of this vector in `slope`. */
@@ -99,10 +96,6 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(t, sizeof(*t)));
-  if (shifting && ops->free) {
-    PetscCall(PetscMalloc1(flow->particles->n_fluid * flow->scene->dim, &t->apart));
-    FlowSeparate(flow, t->apart);
-  }
   for (PetscInt a = 0; flow->state->p && ops->grad_p[0].needed && a < flow->scene->dim; a++)
     PetscCall(
         SlopeGet(flow, &ops->grad_p[a], flow->state->p, flow->walls.p, &t->p_vec[a], &t->p[a]));
@@ -113,7 +106,6 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(t->apart));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
     for (PetscInt c = 0; c < flow->scene->dim; c++)
@@ -167,7 +159,6 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
       shift[a] += disturbance * ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
     shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
-  if (flow->ops->free) FlowLimitShift(flow, &slopes->apart[i * scene->dim], i, shift);
   ShiftOut(flow, i, shift);
 }
 
@@ -197,37 +188,6 @@ static void FilterVelocity(const Flow *flow, const Slopes *slopes, PetscInt i, P
     for (PetscInt a = 0; a < dim; a++) A[c][a] = slopes->u[c][a][i];
   }
   VelocityFilter(dim, A, r, flow->state->velocity_filter, across, flow->clock->dt, change);
-}
-
-/* Returns true if a wall is within the support of own particle i. */
-static PetscBool HasWall(const Operators *ops, PetscInt i)
-{
-  const PetscInt *row = ops->forms.wall ? ops->rows.walls.row : NULL;
-
-  return row && row[i + 1] > row[i];
-}
-
-/*
-  Filters grid modes out of the velocity of particle i in a thin film: with a wall and a free
-  surface within its support
-
-    u -= min(1, 5 nu dt/dx^2) r
-
-  with the residual r of a quadratic fit of u. Viscous rows beside a surface are those of fits with
-  conditions, which are not symmetric, and need not take energy from grid modes; inside the fluid
-  viscosity damps these modes at 8 nu/dx^2. r vanishes in a film, whose velocity is a parabola. See
-  theory.md, (surface:filter).
-*/
-static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal change[])
-{
-  const Scene    *scene = flow->scene;
-  const PetscReal dx    = flow->particles->dx[i];
-  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
-  const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
-
-  if (!OperatorsStressSurface(flow->ops) || FreeSurfaceIsRough(flow->ops->free, i)) return;
-  if (!HasWall(flow->ops, i) || !OperatorsBesideSurface(flow->ops, i)) return;
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
 /* Fails the step if a particle moved further than MOVE_MOST; collective. */
@@ -265,10 +225,9 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   HistoryPath(clock, weight);
   *work = 0.0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
-    PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
-    PetscReal       slip[ISPH_MAX_DIM];
-    const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
+    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
+    PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
+    PetscReal slip[ISPH_MAX_DIM];
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
@@ -285,21 +244,18 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
     else SceneKeepOffWalls(scene, clock->t, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      path[a]   = x[a] - p->x[a][i];
-      pushed[a] = path[a] - flown[a] - shift[a];
-      if (!on_surface) shift[a] += pushed[a];
+      path[a]  = x[a] - p->x[a][i];
+      shift[a] = path[a] - flown[a];
     }
     for (PetscInt a = 0; a < scene->dim; a++) slip[a] += x[a];
     if (p->fluid) InterfaceSlip(p, i, slip);
     *work += EnergyWork(flow, i, path);
     if (shifting && !flow->ops->cut_surface) FollowShift(scene, slopes, i, shift, change);
-    for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (flow->ops->velocity[0].filter_u.needed) {
       PetscReal before[ISPH_MAX_DIM];
 
       for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) before[a] = change[a];
       FilterVelocity(flow, slopes, i, across, change);
-      FilterAtSurface(flow, slopes, i, change);
       for (PetscInt a = 0; filtered[0] && a < scene->dim; a++)
         filtered[a][i] = (change[a] - before[a]) / clock->dt;
     }
@@ -329,7 +285,6 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.
-  On a free surface this displacement is a velocity that the wall gives, and no part of s.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
   feeds energy into the flow. Bodies move first, and particles keep off their new surfaces. On entry
   the operators belong to x^n; on exit they, owners and halo are out of date. See theory.md,

@@ -94,7 +94,6 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
       PetscCall(AddRows_GradientWithoutWalls(scene, st, diagonal, ops));
     if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(scene, st, diagonal, ops));
     PetscCall(AddRows_Divergence(scene, st, diagonal, ops));
-    if (st->kind != SURFACE_INSIDE) SetRows_Surface(st, diagonal, ops);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -428,7 +427,6 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
-  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &kernel, ops->free));
   if (!count && !weak && !(ops->needs & NEED_CONCENTRATION)) { /* such as with NEED_STREAMS alone */
     ops->epoch = p->epoch;
     ops->moved = p->moved;

@@ -7,7 +7,6 @@
 enum {
   KERNEL,
   MLS_DEGREE,
-  SURFACE_DEGREE,
   H_OVER_DX,
   CORRECTION,
   VISC_LAPLACIAN,
@@ -24,11 +23,6 @@ static const OptionRow options[] = {
         OPTION(INT, "-mls_degree",
                "degree of the polynomials of least-squares fits, in all operators named mls", "-",
                "2", .low = 2, .high = MLS_MAX_DEGREE),
-    [SURFACE_DEGREE] = OPTION(INT, "-surface_degree",
-                              "degree of the fits of viscous term and divergence of particles "
-                              "below a free surface; 3 makes the errors of small waves smaller",
-                              "-", "2", .expert = PETSC_TRUE, .low = 2, .high = 3,
-                              .where = "flows with a free surface in 2D"),
     [H_OVER_DX]  = OPTION(REAL, "-h_over_dx", "smoothing length over particle spacing", "-", REGIME,
                           .low = 0.8, .high = 4.0),
     [CORRECTION] = OPTION(
@@ -122,23 +116,6 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a viscous form has no traction on free surfaces by itself: it is a stress, and
-   the derivative of a dissipation of the fluid alone, theory.md, (viscosity:dissipation) and
-   (viscosity:work). */
-static PetscBool HasFreeTraction(const LaplacianForm *visc)
-{
-  return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&
-         LaplacianIs(visc, FORM_NULL_CONSTANTS);
-}
-
-/* Returns true if the viscous form needs particles behind walls. With a free surface
-   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
-static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
-{
-  if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return !(SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress);
-}
-
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
 static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
@@ -153,7 +130,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
   if (needs & NEED_STREAMS) {
     blind = "wcsph";
     kind  = "-scheme";
-  } else if (ViscousNeedsFluid(scene, &forms->visc)) {
+  } else if (forms->visc.row && LaplacianIs(&forms->visc, FORM_FULL_SUPPORT)) {
     blind = forms->visc.row->name;
     kind  = "-visc_laplacian";
   }
@@ -219,17 +196,16 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
-  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc) ||
-                forms->visc.row->Row == LaplacianRow_PairwiseStress || forms->visc.row->weak,
+  UserCheck(!forms->components_coupled || forms->visc.row->weak,
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses pressures of outflows other than that outside the surface of strain cells, which end at
-   outflows without traction. */
-static PetscErrorCode RefuseOutflows(const Scene *scene, const OperatorForms *forms)
+/* Refuses pressures of outflows other than that outside the surface, whose cells end at outflows
+   without traction. */
+static PetscErrorCode RefuseOutflows(const Scene *scene)
 {
   const PetscReal origin[ISPH_MAX_DIM] = {0.0};
 
@@ -240,23 +216,21 @@ static PetscErrorCode RefuseOutflows(const Scene *scene, const OperatorForms *fo
     if (!BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) continue;
     UserCheck(!ExpressionUses(pressure, ~0u) &&
                   ExpressionValue(pressure, 0, 0.0, origin) == scene->outside,
-              "-scene_outflow_%s_pressure: with a free surface and -visc_laplacian %s it must be "
-              "that outside, -surface_pressure %g",
-              BoxSides[side], forms->visc.row->name, (double)scene->outside);
+              "-scene_outflow_%s_pressure: with a free surface it must be that outside, "
+              "-surface_pressure %g",
+              BoxSides[side], (double)scene->outside);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses contact angles of surfaces that have none. */
-static PetscErrorCode RefuseAngles(const Scene *scene, const OperatorForms *forms)
+static PetscErrorCode RefuseAngles(const Scene *scene)
 {
-  const PetscBool cuts = SceneHasFreeSurface(scene) && forms->visc.row && forms->visc.row->weak;
-
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 2 * scene->dim; side++)
-    UserCheck(scene->boundary[side].contact == 0.0 || (cuts && scene->tension > 0.0),
-              "-scene_wall_%s_angle: only a free surface with a tension that cuts strain cells has "
-              "contact angles; give -surface_tension and -visc_laplacian weak_stress",
+    UserCheck(scene->boundary[side].contact == 0.0 || scene->tension > 0.0,
+              "-scene_wall_%s_angle: only a free surface with a tension has contact angles; give "
+              "-surface_tension",
               BoxSides[side]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -274,45 +248,21 @@ static PetscErrorCode RefuseTension(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the viscous form of fluids with a free surface, and refuses forms without one. */
-static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, OperatorForms *forms)
+/* Refuses options that a free surface of strain cells excludes. */
+static PetscErrorCode RefuseSurface(const Scene *scene, unsigned needs, const OperatorForms *forms)
 {
   PetscFunctionBegin;
-  forms->surface_degree = 2;
-  PetscCall(RefuseAngles(scene, forms));
+  PetscCall(RefuseAngles(scene));
   PetscCall(RefuseTension(scene));
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
-  if (forms->visc.row && forms->visc.row->weak) {
-    PetscCall(RefuseOutflows(scene, forms));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (scene->dim == 2)
-    PetscCall(OptionGetInt(&options[SURFACE_DEGREE], &forms->surface_degree, NULL));
-  UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
-                HasFreeTraction(&forms->visc),
-            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
-            "pairwise_stress",
+  UserCheck(forms->visc.row->weak,
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use "
+            "weak_stress",
             forms->visc.row->name);
-  UserCheck(
-      !forms->wall || !ViscousNeedsFluid(scene, &forms->visc),
-      "-visc_laplacian %s: it needs particles behind walls, and with a free surface there are "
-      "none; use mls or pairwise_stress, or -scene_periodic for a fluid without walls",
-      forms->visc.row->name);
-  UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
-            "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
-            forms->ppe.row->name);
-  UserCheck(!forms->gradient || forms->gradient->Row == GradientRow_Mls,
-            "-gradient %s: it needs fluid beyond the free surface; use mls", forms->gradient->name);
-  UserCheck(forms->degree == 2,
-            "-mls_degree %" PetscInt_FMT ": fits at free surfaces are quadratic; use 2",
-            forms->degree);
   UserCheck(!forms->wall || forms->wall->on_surface,
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
-  forms->visc.halved = forms->visc.row && SceneViscosityVaries(scene) &&
-                       forms->visc.row->Row == LaplacianRow_PairwiseStress;
-  if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
-    forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
+  PetscCall(RefuseOutflows(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -362,7 +312,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
             "-wall %s: its particles behind the wall need a uniform lattice; with %s use -wall "
             "wall_layer and forms without full_support in -catalogue, such as mls",
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
-  PetscCall(ChooseSurface(scene, needs, forms));
+  PetscCall(RefuseSurface(scene, needs, forms));
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,7 +83,7 @@ static void ShareRows(AffineOperator *op, const AffineOperator **first)
 /* Finds the operators whose rows are equal at particles without wall neighbours. There a row
    depends on values of the fluid only, not on the quantity: the gradients of velocity components
    and of the pressure are equal to the divergence, both filters are equal, and so are the operators
-   of all velocity components. With free surfaces SetRows_Surface() replaces single rows. */
+   of all velocity components. */
 static void ShareAllRows(Operators *ops)
 {
   const AffineOperator *visc = NULL, *filter = NULL;
@@ -115,7 +115,7 @@ static void ChooseRows(const Scene *scene, Operators *ops)
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
     if (all[k]->needed && all[k]->has_matrices) matrices = PETSC_TRUE;
-  ops->rows.repeats = !matrices && !SceneMoves(scene) && !ops->free && !SceneViscosityVaries(scene);
+  ops->rows.repeats = !matrices && !SceneMoves(scene) && !SceneViscosityVaries(scene);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(form); k++)
     if (form[k]->row && form[k]->row->Factor) ops->rows.repeats = PETSC_FALSE;
   ops->ppe.has_matrices = ops->rows.repeats ? PETSC_FALSE : PETSC_TRUE;
@@ -135,8 +135,8 @@ static PetscBool GradientsAreProducts(const Operators *ops)
 }
 
 /* Decides if products make the rows of gradients and filters from fits: those of particles that
-   move, without free surfaces, where rows have other equations. Beside walls the operators of
-   several quantities have different equations, and their rows are stored. */
+   move. Beside walls the operators of several quantities have different equations, and their rows
+   are stored. */
 static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
 {
   const PetscBool filters  = ops->forms.degree % 2 == 0;
@@ -144,8 +144,7 @@ static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
                   filter_p = filters && ops->filter_p.needed;
 
   PetscFunctionBegin;
-  if (!SceneMoves(scene) || ops->free || !GradientsAreProducts(ops))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneMoves(scene) || !GradientsAreProducts(ops)) PetscFunctionReturn(PETSC_SUCCESS);
   if (ops->forms.gradient->Row != GradientRow_Mls) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < ops->n_velocity; c++) {
     if (filter_u) ops->velocity[c].filter_u.fitted = FIT_FILTER;
@@ -172,9 +171,8 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
     if (!SceneHasFreeSurface(scene)) continue;
-    work->batch[l]->least_degree   = 1;
-    work->batch[l]->surface_degree = ops->forms.surface_degree;
-    work->batch[l]->weak           = SURFACE_WEAK;
+    work->batch[l]->least_degree = 1;
+    work->batch[l]->weak         = SURFACE_WEAK;
   }
   work->stencil  = work->batch[0];
   work->has_fits = HasFits(ops);
@@ -210,11 +208,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
   ops->cut_surface = SceneHasFreeSurface(scene) && ops->forms.visc.row && ops->forms.visc.row->weak;
-  if (SceneHasFreeSurface(scene) && !ops->cut_surface) {
-    PetscCall(PetscNew(&ops->free));
-    ops->free->tension = scene->tension;
-    ops->free->fitted  = LaplacianFitsSurface(&ops->forms.visc);
-  } else ShareAllRows(ops);
+  ShareAllRows(ops);
   ChooseRows(scene, ops);
   PetscCall(ChooseFitted(scene, ops));
   PetscCall(CreateWorkspace(scene, ops));
@@ -243,13 +237,10 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(FreeAll(&ops->concentration.gradient[a], &ops->work->g[a]));
   }
-  PetscCall(FreeAll(&ops->concentration.value, &ops->forms.visc.factor, &ops->forms.visc.share,
-                    &ops->forms.ppe.factor));
+  PetscCall(FreeAll(&ops->concentration.value, &ops->forms.visc.factor, &ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
-  if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(StrainDestroy(&ops->strain));
   for (PetscInt k = 0; k < 2; k++) PetscCall(MatDestroy(&ops->cut_part[k]));
-  PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree5(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w,
                        ops->work->excess));
   for (PetscInt l = 0; l < MLS_BATCH; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
@@ -271,7 +262,6 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   PetscFunctionBegin;
   walls->layers   = 0;
   walls->surface  = ops->forms.wall_surface;
-  walls->inside   = ops->cut_surface;
   walls->jittered = scene->problem->patch;
   if (ops->forms.wall && !ops->forms.wall->on_surface) {
     walls->layers = (PetscInt)PetscCeilReal(ops->forms.radius / SceneCoarsest(scene) - 1e-9);
@@ -284,15 +274,4 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 void OperatorsForget(Operators *ops)
 {
   ops->moved = -1;
-}
-
-/* OperatorsBesideSurface - Returns true if own particle i or fluid within its support is on a free
-   surface */
-PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i)
-{
-  const Pattern *fluid = &ops->rows.fluid;
-
-  for (PetscInt s = fluid->row[i]; ops->free && s < fluid->row[i + 1]; s++)
-    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
-  return PETSC_FALSE;
 }

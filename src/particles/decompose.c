@@ -19,12 +19,6 @@ typedef struct {
   PetscReal cut, miss;  /* best edge so far [m], and the deviation of the work from the target */
 } Group;
 
-/* Returns the work of own fluid particle i, in that of a particle inside the fluid. */
-static inline PetscInt WorkOf(const Particles *p, PetscInt i)
-{
-  return 1 + (p->work ? (PetscInt)p->work[i] : 0);
-}
-
 static inline PetscInt MiddleRank(PetscInt begin, PetscInt end)
 {
   return (begin + end) / 2;
@@ -182,7 +176,7 @@ static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscI
 
     if (of[i] < 0) continue;
     bin = BinOf(&groups[of[i]], p->x[groups[of[i]].axis][i]);
-    if (bin >= 0) histogram[of[i] * BISECT_BINS + bin] += WorkOf(p, i);
+    if (bin >= 0) histogram[of[i] * BISECT_BINS + bin]++;
   }
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, histogram, n_groups * BISECT_BINS, MPIU_INT, MPI_SUM, p->comm));
@@ -256,7 +250,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
   PetscCall(PetscCalloc1(ranks, &load));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     owner[i] = OwnerOf(p, ranks, i);
-    if (i < p->n_fluid) load[owner[i]] += WorkOf(p, i);
+    if (i < p->n_fluid) load[owner[i]]++;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, load, ranks, MPIU_INT, MPI_SUM, p->comm));
   for (PetscMPIInt r = 0; r < ranks; r++) {

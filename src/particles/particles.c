@@ -24,8 +24,6 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
   }
-  if (SceneHasFreeSurface(scene) && SceneMoves(scene))
-    PetscCall(ParticlesRegister(p, "work", 1, HALO_NONE, ENTRY_ZERO, &p->work));
   if (SceneViscosityVaries(scene))
     PetscCall(ParticlesRegister(p, "viscosity", 1, HALO_EPOCH, ENTRY_MEAN, &p->nu));
   if (SceneFluids(scene) > 1) {

@@ -130,29 +130,6 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
   return n;
 }
 
-/* Adds the plane half a spacing outside the nearest particle on a free surface, in which the fluid
-   is mirrored as in a wall. */
-static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
-{
-  PetscReal nearest = st->kind == SURFACE_SMOOTH ? 0.0 : st->radius;
-  PetscInt  which   = -1;
-
-  if (!st->beside_smooth_surface || *n == WALL_PLANES) return;
-  for (PetscInt k = 0; k < st->n; k++) {
-    if (!st->surface[k] || st->r[k] >= nearest) continue;
-    nearest = st->r[k];
-    which   = k;
-  }
-  planes[*n].distance = 0.5 * st->dx;
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal normal = which < 0 ? st->own_normal[a] : st->normal[a][which];
-
-    planes[*n].normal[a] = -normal;
-    if (which >= 0) planes[*n].distance += st->X[a][which] * normal;
-  }
-  (*n)++;
-}
-
 /*
   Adds the fluid beyond an opening, which has no particles: a half space of concentration 1 at the
   distance d along the unit vector -n,
@@ -208,9 +185,9 @@ static void AddOpenings(const Scene *scene, const KernelRow *kernel, const Stenc
 
   j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
   mirror images if wall particles lie on the surface, otherwise the dummies: theory.md,
-  (particles:concentration). Mirror images continue it beyond free surfaces too. Input: x - position
-  of particle i [m]; mirrored - flag: mirror images, not wall particles, represent the fluid beyond
-  walls. Output: concentration - value near 1 [-]; gradient - [1/m].
+  (particles:concentration). Input: x - position of particle i [m]; mirrored - flag: mirror images,
+  not wall particles, represent the fluid beyond walls. Output: concentration - value near 1 [-];
+  gradient - [1/m].
 */
 void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *st,
                       const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
@@ -224,7 +201,6 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
   if (!SceneHasFreeSurface(scene))
     AddOpenings(scene, kernel, st, x, planes, &n_planes, concentration, sum);
-  AddSurfacePlane(st, planes, &n_planes);
   if (n_planes) ConcentrationImages(kernel, st, planes, n_planes, concentration, sum);
   for (PetscInt a = 0; a < st->dim; a++) stretched *= st->stretch[a];
   *concentration *= stretched;

@@ -3,8 +3,6 @@
 #include "assembly.h"
 #include "rows.h"
 
-#define LEAST_SHARE 0.25 /* of a volume: that of a corner of 90 degrees in 2D */
-
 const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
     "null_constants",     "symmetric",
     "exact_linear",       "exact_quadratic",
@@ -25,24 +23,15 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 
 /* LaplacianIs - Returns true if the chosen Laplacian has a property. A Laplacian with a correction
    of the kernel, or with particles of several sizes, is never symmetric: correction and kernel
-   differ from particle to particle. It has none of the properties that follow from symmetry either.
-   With shares of volumes on free surfaces the matrix is symmetric in these volumes only, which is
-   enough for its dissipation. */
+   differ from particle to particle. It has none of the properties that follow from symmetry
+   either. */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
   if (form->correction || form->graded)
     properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM | FORM_ANGULAR | FORM_DISSIPATES);
-  if (form->halved) properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM);
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* LaplacianShare - Returns the part of the volume of own particle i that is fluid: about a half on
-   free surfaces of forms with shares, which pass through the particles, otherwise 1 [-] */
-PetscReal LaplacianShare(const LaplacianForm *form, PetscInt i)
-{
-  return form->share ? form->share[i] : 1.0;
 }
 
 /* LaplacianWidth - Returns the number of weights for each neighbour in a row: dim^2 if the form
@@ -96,7 +85,6 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   }
   PetscCall(form->row->Row(st, w));
   for (PetscInt e = 0; form->scale != 0.0 && e < st->n * entries; e++) w[e] *= form->scale;
-  for (PetscInt e = 0; form->share && e < st->n * entries; e++) w[e] /= form->share[st->i];
   st->dW  = dW;
   st->ddW = ddW;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,18 +100,11 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
 
   PetscFunctionBegin;
   if (!form->row || !form->row->Factor) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FreeAll(&form->factor, &form->share));
+  PetscCall(PetscFree(form->factor));
   PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
-  if (form->halved) PetscCall(PetscMalloc1(p->n_fluid + 1, &form->share));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (LaplacianFitsSurface(form) && !FreeSurfaceIsRough(ops->free, i)) continue;
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     form->factor[i] = form->row->Factor(st);
-    if (!form->halved) continue;
-    form->share[i] = FreeSurfaceHolds(ops->free, i)
-                         ? PetscMin(PetscMax(1.0 / form->factor[i], LEAST_SHARE), 1.0)
-                         : 1.0;
-    form->factor[i] *= form->share[i];
   }
   PetscCall(ParticlesHaloField(p, form->factor));
   PetscFunctionReturn(PETSC_SUCCESS);

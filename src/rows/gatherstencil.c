@@ -1,5 +1,5 @@
-/* The stencil of a particle: its neighbours within the support, with the data of walls and of free
-   surfaces that rows read. Assembly and streams gather it for each particle. */
+/* The stencil of a particle: its neighbours within the support, with the data of walls that rows
+   read. Assembly and streams gather it for each particle. */
 #include "assembly.h"
 #include "rows.h"
 
@@ -16,43 +16,6 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   }
   st->beta[k] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
   st->side[k] = (PetscInt)p->side[j];
-}
-
-/* Sets the neighbours on smooth parts of a free surface, and their normals. */
-static void GatherSurface(const FreeSurface *free, Stencil *st)
-{
-  const PetscInt d = st->dim;
-
-  st->beside_smooth_surface = st->beside_surface = PETSC_FALSE;
-  if (!free) return;
-  st->kind           = (SurfaceKind)free->kind[st->i];
-  st->beside_surface = FreeSurfaceHolds(free, st->i);
-  for (PetscInt k = 0; k < st->n; k++) {
-    if (st->wall[k]) continue;
-    if (FreeSurfaceHolds(free, st->j[k])) st->beside_surface = PETSC_TRUE;
-    if (free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
-    st->surface[k] = st->beside_smooth_surface = PETSC_TRUE;
-    for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
-  }
-  if (st->kind != SURFACE_SMOOTH) return;
-  st->beside_smooth_surface = PETSC_TRUE;
-  for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
-}
-
-/* Returns true if walls hold the fluid of particle i as a hinge: fewer wall particles within the
-   support than dimensions are in contact, and others there are not. */
-static PetscBool IsHinged(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
-                          const Stencil *st)
-{
-  if (st->n_wall == 0 || st->n_wall >= st->dim) return PETSC_FALSE;
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j = nb->col[q];
-
-    if (ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(st->radius) &&
-        !FreeSurfaceTouches(scene, p, nb, NULL, i, j))
-      return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
 }
 
 /* Keeps the candidates that are closer than the radius: their indices in j, places relative to x in
@@ -96,7 +59,6 @@ static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 
   for (PetscInt k = 0; k < n; k++) st->V[k] = volume[j[k]];
   for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
-  for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
   if (n > 0 && j[n - 1] < p->n_fluid) {
     for (PetscInt k = 0; k < n; k++) st->wall[k] = PETSC_FALSE;
   } else {
@@ -110,11 +72,10 @@ static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                              const Operators *ops, PetscInt i, Stencil *st)
 {
-  const PetscInt     d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
-  const FreeSurface *free = ops->needs & NEED_STREAMS ? NULL : ops->free;
-  const PetscInt    *candidate;
-  PetscReal          radius2, x[ISPH_MAX_DIM];
-  PetscInt           n;
+  const PetscInt  d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
+  const PetscInt *candidate = nb->col + first;
+  PetscReal       radius2, x[ISPH_MAX_DIM];
+  PetscInt        n;
 
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
@@ -130,10 +91,8 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);
   }
-  n         = free ? FreeSurfaceListTouched(scene, p, nb, i, st->X, st->j) : last - first;
-  candidate = free ? st->j : nb->col + first;
-  if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
-  else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);
+  if (d == 2) n = KeepClose(2, p, last - first, candidate, x, st->stretch, radius2, st);
+  else n = KeepClose(3, p, last - first, candidate, x, st->stretch, radius2, st);
   st->n = n;
   FillNeighbors(p, n, st);
   StencilFinish(st);
@@ -145,8 +104,6 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     GatherWall(scene, p, ops, k, st);
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
-  GatherSurface(free, st);
-  st->has_pair_forces = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st));
   KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

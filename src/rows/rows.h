@@ -5,17 +5,13 @@
 
 #include "isph/rows.h"
 
-PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
-extern const LaplacianRow LaplacianSurface, LaplacianSurfaceStress;
-PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_SurfaceStress(Stencil *stencil, PetscReal w[]);
-PetscBool                 LaplacianFitsSurface(const LaplacianForm *form);
-PetscErrorCode            LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
-PetscReal                 Factor_PairwiseStress(const Stencil *stencil);
-PetscErrorCode            LaplacianRow_Violeau(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_Cleary(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_Direct(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_DirectDifference(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
+PetscReal      Factor_PairwiseStress(const Stencil *stencil);
+PetscErrorCode LaplacianRow_Violeau(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_Cleary(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_Direct(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_DirectDifference(Stencil *stencil, PetscReal w[]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 

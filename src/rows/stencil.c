@@ -8,7 +8,6 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
   PetscCall(PetscNew(stencil));
   (*stencil)->dim    = dim;
   (*stencil)->degree = (*stencil)->least_degree = 2;
-  (*stencil)->surface_degree                    = 2;
   (*stencil)->weak                              = MLS_WEAK;
   (*stencil)->sloped                            = SLOPE_NONE;
   for (PetscInt a = 0; a < dim; a++) (*stencil)->stretch[a] = 1.0;
@@ -20,9 +19,9 @@ static PetscErrorCode StencilFree(Stencil *st)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
-    PetscCall(PetscFree2(st->normal_strain[a], st->slope[a]));
+    PetscCall(PetscFree(st->slope[a]));
   }
-  PetscCall(PetscFree3(st->surface, st->walls, st->radial));
+  PetscCall(PetscFree2(st->walls, st->radial));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
@@ -50,10 +49,9 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
                            &st->fit.gradient[a]));
-    PetscCall(PetscMalloc2(st->capacity, &st->normal_strain[a], st->capacity, &st->slope[a]));
+    PetscCall(PetscMalloc1(st->capacity, &st->slope[a]));
   }
-  PetscCall(PetscMalloc3(st->capacity, &st->surface, st->capacity, &st->walls, st->capacity,
-                         &st->radial));
+  PetscCall(PetscMalloc2(st->capacity, &st->walls, st->capacity, &st->radial));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
                          st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
                          st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));

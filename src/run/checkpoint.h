@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "io/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 22 /* version of the layout of the file */
+#define CHECKPOINT_FORMAT 23 /* version of the layout of the file */
 
 /* An entry of numbers that identify a scene in the file; a restart refuses a file with other
    numbers. Each entry is a row of the table in identity.c. */

@@ -114,8 +114,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   UserCheck(
       same,
       "-restart %s: its particles have other quantities than those of this run; use the same "
-      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -velocity_filter and -dt_adapt, "
-      "and give -surface_volume_rate above 0 in both runs or in none",
+      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -velocity_filter and -dt_adapt",
       path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,7 +11,6 @@ const BoundaryRow BoundaryWall = {
     .properties = BOUNDARY_PARTICLES | BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
-                   [FIT_DIVERGENCE]          = EQUATION_VALUE,
                    [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };

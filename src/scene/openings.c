@@ -21,7 +21,6 @@ const BoundaryRow BoundaryInflow = {
     .properties = BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP | BOUNDARY_INFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
-                   [FIT_DIVERGENCE]          = EQUATION_VALUE,
                    [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
@@ -44,7 +43,6 @@ const BoundaryRow BoundaryOutflow = {
     .properties = BOUNDARY_PARTICLES | BOUNDARY_OUTFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
-                   [FIT_DIVERGENCE]          = EQUATION_NONE,
                    [FIT_PRESSURE]            = EQUATION_VALUE,
                    [FIT_PRESSURE_FREE]       = EQUATION_VALUE},
     .Pressure   = OutflowPressure,

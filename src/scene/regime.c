@@ -15,9 +15,7 @@ static const char *const words[FACTS][2] = {
     {"a pressure or bodies", "no pressure and no body"},
     {"several sizes of particles", NULL},
     {"walls or forces that depend on t", NULL},
-    {"tension", "no tension"},
     {"a viscosity by the strain rate", NULL},
-    {"a free surface, or bodies in 3D that end within the box", NULL},
     {"a box below 3 cells of the pressure along an axis", NULL},
     {"-dt", NULL},
     {"-steady", NULL},
@@ -27,7 +25,6 @@ static const char *const words[FACTS][2] = {
     {"-mls_degree 3", NULL},
     {"-mls_degree 4", NULL},
     {"Laplacians exact for quadratic functions", "other Laplacians"},
-    {"-visc_laplacian pairwise_stress", "another viscous form"},
     {"a form that needs particles behind walls", "forms of fits"},
     {"-pressure_points coarse", "-pressure_points same"},
     {"-ppe_alpha, -ppe_filter or -ppe_laplacian", NULL},
@@ -47,12 +44,9 @@ typedef struct {
 static const NumberRow numbers[NUMBERS] = {
     [NUMBER_NONE]      = {NULL, NULL, PETSC_FALSE},
     [NUMBER_CELL]      = {"U dx/nu", "the least viscosity", PETSC_FALSE},
-    [NUMBER_SURFACE]   = {"nu dt/dx^2", "dt by -dt, or by -cfl, of moving particles a tenth of it",
-                          PETSC_FALSE},
     [NUMBER_STIFFNESS] = {"nu dt/e^2", "the largest viscosity, e the smallest edge of a cell",
                           PETSC_TRUE},
     [NUMBER_COURANT]   = {"U dt/dx", "the CFL number", PETSC_FALSE},
-    [NUMBER_CONTRAST]  = {"nu_max/nu_min", "of the viscosities that the scene gives", PETSC_FALSE},
 };
 
 /* Returns U dx/nu with the least viscosity; infinite without viscosity. */
@@ -88,13 +82,11 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_GRADED, SceneIsMapped(scene) || scene->grading.on);
   RegimeSetFact(r, FACT_CLOUD, scene->grading.on);
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
-  RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
   RegimeSetFact(r, FACT_FLUIDS, SceneFluids(scene) > 1);
   RegimeSetFact(r, FACT_MIXES, SceneMixes(scene));
-  r->number[NUMBER_CELL]     = cell;
-  r->number[NUMBER_CONTRAST] = scene->nu_low > 0.0 ? scene->nu_high / scene->nu_low : 1.0;
-  *regime                    = r;
+  r->number[NUMBER_CELL] = cell;
+  *regime                = r;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,21 +17,17 @@
 
 static const RegimeRow schemes[] = {
     {0, FACT_SURFACE, ANY, "projection", "a step is cheapest"},
-    {FACT_SURFACE | FACT_STEADY, 0, ANY, "coupled", "it solves without du/dt"},
-    {FACT_SURFACE, FACT_STEADY, UPTO(SURFACE_STIFFNESS), "projection",
-     "ten of its steps cost as much as a coupled one, and it holds in impacts"},
-    {FACT_SURFACE, FACT_STEADY, ABOVE(SURFACE_STIFFNESS), "coupled",
-     "the projection is unstable in long steps"},
+    {FACT_SURFACE, 0, ANY, "coupled", "the surface is a part of its system"},
 };
 
-#define NO_SPLINES       (FACT_ASKED | FACT_UNFIT | FACT_NARROW)
+#define NO_SPLINES       (FACT_ASKED | FACT_SURFACE | FACT_NARROW)
 #define OPEN_TO_BOTH     (NO_SPLINES | FACT_MOVES | FACT_WALLS)
 #define CONVECTING_CLOUD (FACT_WALLS | FACT_CLOUD | FACT_CONVECTION)
 
 static const RegimeRow points[] = {
-    {FACT_ASKED, 0, ANY, "same", "the option is for a pressure on particles"},
-    {FACT_UNFIT, FACT_ASKED, ANY, "same", "the splines have no conditions there"},
-    {FACT_NARROW, FACT_ASKED | FACT_UNFIT, ANY, "same",
+    {FACT_SURFACE, 0, ANY, "coarse", "the pressure ends with the cells at the surface"},
+    {FACT_ASKED, FACT_SURFACE, ANY, "same", "the option is for a pressure on particles"},
+    {FACT_NARROW, FACT_ASKED | FACT_SURFACE, ANY, "same",
      "the splines need three cells along each axis"},
     {FACT_MOVES, NO_SPLINES, ANY, "coarse",
      "no noise from moving particles, and no condition at walls"},
@@ -118,15 +114,10 @@ static const RegimeRow shears[] = {
 static const RegimeRow laplacians[] = {
     {FACT_WCSPH | FACT_SURFACE, 0, ANY, "cleary", "it keeps angular momentum"},
     {FACT_WCSPH, FACT_SURFACE, ANY, "morris", "it keeps momentum"},
-    {0, FACT_WCSPH | FACT_VARIES, ANY, "mls", "it is the most accurate"},
-    {FACT_VARIES, FACT_WCSPH | FACT_CURVED, ANY, "mls",
+    {FACT_SURFACE, FACT_WCSPH, ANY, "weak_stress", "its cells end at the surface"},
+    {0, FACT_WCSPH | FACT_SURFACE | FACT_VARIES, ANY, "mls", "it is the most accurate"},
+    {FACT_VARIES, FACT_WCSPH | FACT_SURFACE | FACT_CURVED, ANY, "mls",
      "parallel flows have no other part of the stress"},
-    {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH, UPTO(300.0), "mls",
-     "its rows are those of the stress beside a surface"},
-    {FACT_VARIES | FACT_CURVED | FACT_SURFACE | FACT_NONLINEAR, FACT_WCSPH, ABOVE(300.0), "mls",
-     "viscosities that follow the strain rate have no jumps"},
-    {FACT_VARIES | FACT_CURVED | FACT_SURFACE, FACT_WCSPH | FACT_NONLINEAR, ABOVE(300.0),
-     "pairwise_stress", "fits across a jump of 1000 feed the flow with energy"},
     {FACT_VARIES | FACT_CURVED, FACT_WCSPH | FACT_SURFACE | FACT_GRADED | FACT_FLUIDS, ANY,
      "weak_stress", "its dissipation is right where streamlines curve and fluids yield"},
     {FACT_VARIES | FACT_CURVED | FACT_FLUIDS, FACT_WCSPH | FACT_SURFACE | FACT_GRADED | FACT_MOVES,
@@ -178,17 +169,6 @@ static const RegimeRow courants[] = {
     {FACT_IMPLICIT, 0, ANY, "2", "the error of the step is still small"},
 };
 
-static const RegimeRow gradients[] = {
-    {0, FACT_SURFACE, ANY, "fit", "it is as accurate as the divergence"},
-    {FACT_SURFACE, FACT_PAIRS, ANY, "fit", "others leave modes undamped"},
-    {FACT_SURFACE | FACT_PAIRS | FACT_TENSION, 0, ANY, "fit",
-     "tension gives the surface a pressure"},
-    {FACT_SURFACE | FACT_PAIRS | FACT_VARIES, FACT_TENSION, ANY, "adjoint",
-     "with fits stiff fluid gains energy from the pressure"},
-    {FACT_SURFACE | FACT_PAIRS, FACT_TENSION | FACT_VARIES, ANY, "natural",
-     "dissipative pairs have the natural condition of a free surface"},
-};
-
 static const RegimeRow viscous_pcs[] = {
     {0, 0, UPTO(2.0), "jacobi", "few iterations, and no set-up"},
     {0, 0, RANGE(2.0, 200.0), "bjacobi", "block Jacobi with ILU(0) is enough"},
@@ -235,15 +215,14 @@ static const RegimeRow step_holds[] = {
 #define STABILITY   "developers/results/stability.md"
 
 const RegimeTable RegimeTables[REGIMES] = {
-    [REGIME_SCHEME]     = {"-scheme", NUMBER_SURFACE, "developers/theory/surface.md#158-projection",
-                           PETSC_FALSE, ROWS(schemes)},
+    [REGIME_SCHEME]     = {"-scheme", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(schemes)},
     [REGIME_POINTS]     = {"-pressure_points", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(points)},
     [REGIME_KERNEL]     = {"-h_over_dx", NUMBER_CELL, MEASURED, PETSC_TRUE, ROWS(kernels)},
     [REGIME_FILTER_U]   = {"-velocity_filter", NUMBER_CELL, FILTERS, PETSC_TRUE, ROWS(filters_u)},
     [REGIME_FILTER_P]   = {"-ppe_filter", NUMBER_COURANT, MEASURED, PETSC_TRUE, ROWS(filters_p)},
     [REGIME_SHEAR]      = {"-velocity_filter across a shear", NUMBER_CELL, FILTERS, PETSC_FALSE,
                            ROWS(shears)},
-    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_CONTRAST, "developers/results/fluids.md",
+    [REGIME_LAPLACIAN]  = {"-visc_laplacian", NUMBER_NONE, "developers/results/fluids.md",
                            PETSC_FALSE, ROWS(laplacians)},
     [REGIME_CORRECTION] = {"-correction", NUMBER_NONE, MEASURED, PETSC_FALSE, ROWS(corrections)},
     [REGIME_WALL] = {"-wall", NUMBER_NONE, "developers/results/walls.md", PETSC_FALSE, ROWS(walls)},
@@ -252,11 +231,8 @@ const RegimeTable RegimeTables[REGIMES] = {
                                ROWS(strengths)},
     [REGIME_DT_ADAPT]       = {"-dt_adapt", NUMBER_NONE, "howto/time-steps.md", PETSC_FALSE,
                                ROWS(controls)},
-    [REGIME_COURANT]  = {"-cfl", NUMBER_NONE, "developers/theory/motion.md#12-fixed-particles",
-                         PETSC_FALSE, ROWS(courants)},
-    [REGIME_GRADIENT] = {"-coupled_gradient", NUMBER_NONE,
-                         "developers/theory/surface.md#157-coupled-system", PETSC_FALSE,
-                         ROWS(gradients)},
+    [REGIME_COURANT] = {"-cfl", NUMBER_NONE, "developers/theory/motion.md#12-fixed-particles",
+                        PETSC_FALSE, ROWS(courants)},
     [REGIME_VISC_PC] = {"-visc_pc_type", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE, ROWS(viscous_pcs)},
     [REGIME_VISC_RTOL]    = {"-visc_ksp_rtol", NUMBER_STIFFNESS, SOLVERS, PETSC_FALSE,
                              ROWS(viscous_rtols)},

@@ -15,7 +15,6 @@ const BoundaryRow BoundarySymmetry = {
     .properties = BOUNDARY_PARTICLES | BOUNDARY_CONFINES,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
-                   [FIT_DIVERGENCE]          = EQUATION_VALUE,
                    [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };

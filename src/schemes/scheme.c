@@ -1,8 +1,8 @@
 /* The table of schemes, and creation and destruction of the scheme of a run. A new scheme needs a
    folder with its row at the foot of a file, and one word here. */
+#include "isph/motion.h"
 #include "isph/schemes.h"
 #include "schemes/scalars/scalars.h"
-#include "schemes/surface/surface.h"
 
 #define SCHEMES(ROW)                                                                               \
   ROW(SchemeProjection)                                                                            \
@@ -22,26 +22,7 @@ static const OptionRow options[] = {
 };
 const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 
-/* Returns the scheme that is chosen by default. With a free surface it depends on the step: of
-   particles that move without -dt on a tenth of the step that advection allows, because ten steps
-   of the projection cost as much as a coupled one. */
-static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
-{
-  Regime      *regime = flow->scene->regime;
-  const Clock *clock  = flow->clock;
-  StepLimit    limit  = {.dt = PETSC_INFINITY};
-
-  PetscFunctionBegin;
-  PetscCall(FlowLimit(flow, &limit));
-  if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
-  else if (SceneMoves(flow->scene)) limit.dt *= 0.1;
-  regime->number[NUMBER_SURFACE] = SURFACE_STIFFNESS * (limit.dt / SurfaceStep(flow->scene));
-  RegimeSetFact(regime, FACT_STEADY, clock->steady_solve);
-  *name = RegimeWord(regime, REGIME_SCHEME);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses what flows with a free surface exclude. */
+/* Refuses options that flows with a free surface exclude. */
 static PetscErrorCode RefuseSurface(const Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -62,9 +43,9 @@ static PetscErrorCode RefuseSurface(const Flow *flow)
    the needs for the creation of operators. */
 PetscErrorCode SchemeCreate(Flow *flow)
 {
-  Scheme     *s;
-  PetscReal   force2 = 0.0;
-  const char *name   = NULL;
+  Regime   *regime = flow->scene->regime;
+  Scheme   *s;
+  PetscReal force2 = 0.0;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
@@ -72,8 +53,8 @@ PetscErrorCode SchemeCreate(Flow *flow)
   s->needs     = SceneNeeds(flow->scene);
   for (PetscInt a = 0; a < flow->scene->dim; a++) force2 += PetscSqr(flow->scene->body_force[a]);
   s->stats.force_max = PetscSqrtReal(force2);
-  PetscCall(DefaultScheme(flow, &name));
-  PetscCall(OptionGetRow(&options[0], name, &s->row));
+  RegimeSetFact(regime, FACT_STEADY, flow->clock->steady_solve);
+  PetscCall(OptionGetRow(&options[0], RegimeWord(regime, REGIME_SCHEME), &s->row));
   PetscCall(ClockRemember(flow->clock, &s->memory));
   PetscCall(FlowRemember(flow));
   PetscCall(SchemeChooseStep(flow));
@@ -111,7 +92,6 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscCall(FreeBodiesCreate(flow));
   PetscCall(ScalarsRegister(flow));
   PetscCall(OpeningsRegister(flow));
-  PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

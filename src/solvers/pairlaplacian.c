@@ -70,16 +70,14 @@ static PetscInt SortRow(PetscInt n, PetscInt col[], PetscScalar value[])
   which approximates -row_i dx_i^2 div(nu grad q); k has pairs up to 1.8 times their mean spacing
   dx_ij, and nu_ij is the harmonic mean of nu. Walls have no pairs. Collective. Input: row - factor
   of each row; nu - viscosity of each particle, halo included; NULL: 1; diagonal - added to the
-  diagonal; NULL: 0; given - q is given where this is not 0, halo included: rows and columns of the
-  identity; NULL: nowhere. Output: A - on own fluid particles. Reference: J. P. Morris, P. J. Fox,
+  diagonal; NULL: 0. Output: A - on own fluid particles. Reference: J. P. Morris, P. J. Fox,
   Y. Zhu, J. Comput. Phys. 136 (1997) 214-226, for the form
 */
-PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal,
-                             const PetscReal given[], Mat *A)
+PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Vec diagonal, Mat *A)
 {
   Particles         *p        = flow->particles;
   Neighbors         *nb       = flow->neighbors;
-  const PetscBool    keeps    = SceneMoves(flow->scene) || flow->ops->free;
+  const PetscBool    keeps    = SceneMoves(flow->scene);
   const PetscReal    strength = PairStrength(p->dim);
   const PetscScalar *factor, *extra = NULL;
   SparseRows         to;
@@ -99,17 +97,15 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
       const PetscReal dx = 0.5 * (p->dx[i] + p->dx[j]), rr = ParticlesSquareDistance(p, i, j);
       PetscReal       a;
 
-      if (rr >= PetscSqr(PAIR_REACH * dx) || ParticlesIsWall(p, j) || (given && given[i] != 0.0))
-        continue;
+      if (rr >= PetscSqr(PAIR_REACH * dx) || ParticlesIsWall(p, j)) continue;
       a = strength * factor[i] * MeanOfPair(nu, i, j) * PetscSqr(p->dx[i] / dx) *
           PairWeight(PetscSqrtReal(rr) / dx);
       sum += a;
-      if (given && given[j] != 0.0) continue;
       to.col[q]     = p->row[j];
       to.value[q++] = -a;
     }
     to.col[first]   = p->row[i];
-    to.value[first] = given && given[i] != 0.0 ? 1.0 : sum + (extra ? extra[i] : 0.0);
+    to.value[first] = sum + (extra ? extra[i] : 0.0);
     to.row[i + 1]   = first + SortRow(q - first, &to.col[first], &to.value[first]);
   }
   if (diagonal) PetscCall(VecRestoreArrayRead(diagonal, &extra));
@@ -120,13 +116,12 @@ PetscErrorCode PairLaplacian(const Flow *flow, Vec row, const PetscReal nu[], Ve
 }
 
 /* PairPoisson - Creates the pair-wise matrix of -dx_i^2 lap p for the pressure on particles.
-   Collective. Rows of free surfaces are those of the identity. The diagonal has the sums of rows of
-   the operator, which are not 0 where walls have a pressure. */
+   Collective. The diagonal has the sums of rows of the operator, which are not 0 where walls have a
+   pressure. */
 PetscErrorCode PairPoisson(const Flow *flow, Mat *A)
 {
-  const FreeSurface *free = flow->ops->free;
-  Vec                one, sums;
-  PetscScalar       *sum;
+  Vec          one, sums;
+  PetscScalar *sum;
 
   PetscFunctionBegin;
   PetscCall(FluidVec(flow->particles, NULL, &one));
@@ -136,7 +131,7 @@ PetscErrorCode PairPoisson(const Flow *flow, Mat *A)
   PetscCall(VecGetArray(sums, &sum));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) sum[i] = PetscMax(sum[i], 0.0);
   PetscCall(VecRestoreArray(sums, &sum));
-  PetscCall(PairLaplacian(flow, one, NULL, sums, free ? free->kind : NULL, A));
+  PetscCall(PairLaplacian(flow, one, NULL, sums, A));
   PetscCall(VecDestroyAll(&sums, &one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

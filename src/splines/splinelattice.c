@@ -28,7 +28,6 @@ PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLatti
   lattice->scene  = scene;
   lattice->degree = 2;
   lattice->dim    = scene->dim;
-  lattice->N      = 1;
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal length = scene->hi[a] - scene->lo[a];
 
@@ -37,10 +36,10 @@ PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLatti
     lattice->count[a]    = lattice->cells[a] + (lattice->periodic[a] ? 0 : 2);
     lattice->lo[a]       = scene->lo[a];
     lattice->side[a]     = length / lattice->cells[a];
-    lattice->N *= lattice->count[a];
     for (PetscInt side = 2 * a; side < 2 * a + 2; side++)
       lattice->given[side] = BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE;
   }
+  PetscCall(SceneCountCells(scene->dim, lattice->count, &lattice->N));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

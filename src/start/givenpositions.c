@@ -12,7 +12,6 @@ PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles 
   PetscFunctionBegin;
   PetscCall(PoolsCreate(scene, &pools));
   for (PetscInt pool = 0; pool < pools.n; pool++) volume += pools.volume[pool];
-  PetscCall(PoolsDestroy(&pools));
   for (PetscInt i = 0; i < start->n; i++) {
     p->id[i]     = start->first + i;
     p->kind[i]   = PARTICLE_FLUID;

@@ -1,7 +1,7 @@
 /* Particles at the start of a run if the spacing is a function of place, or if the fluid does not
-   fill the box. Ordered particles are in rows along walls, or on lattices and free borders of
-   pools; the others are at the places of densityplaces.c, which relax.c relaxes. Wall particles lie
-   on surfaces; no particle is behind a wall. */
+   fill the box. Ordered particles are in rows along walls, or on lattices of pools; the others are
+   at the places of densityplaces.c, which relax.c relaxes. Wall particles lie on surfaces; no
+   particle is behind a wall. */
 #include "start.h"
 
 /* Sets the size of local particle i for its place. */
@@ -38,8 +38,8 @@ static void WallParticle(const Scene *scene, const SurfacePoint *point, Particle
   SetSize(scene, p, i);
 }
 
-/* Creates the ordered particles: on free borders and lattices of pools, or in rows along walls; and
-   the first places of the others. */
+/* Creates the ordered particles: on lattices of pools, or in rows along walls; and the first places
+   of the others. */
 static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *cloud, Rows *rows,
                               Places *places)
 {
@@ -54,7 +54,6 @@ static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *
   } else {
     for (PetscInt pool = 0; pool < pools->n; pool++)
       if (pools->lattice[pool]) PetscCall(PoolLattice(pools, pool, rows));
-    if (!pools->inside) PetscCall(BorderParticles(pools, rows));
     if (pools->relaxed) PetscCall(PlacesCreate(scene, &region, pools, places));
   }
   cloud->ordered = rows->N;
@@ -77,7 +76,6 @@ PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, 
   PetscInt layered  = 0, wall[2];
 
   PetscFunctionBegin;
-  cloud->pools.inside = walls.inside;
   PetscCall(PoolsCreate(scene, &cloud->pools));
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, &surfaces));
   PetscCall(Arrange(scene, &surfaces, cloud, &rows, &places));
@@ -130,12 +128,11 @@ static PetscErrorCode ShareVolume(const Scene *scene, const Cloud *cloud, Partic
 }
 
 /* CloudFinish - Sets the sizes of particles at their last places; the volumes of the fluid add up
-   to its volume. Collective. Frees the pools of the cloud. */
-PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p)
+   to its volume. Collective. */
+PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) SetSize(scene, p, i);
   PetscCall(ShareVolume(scene, cloud, p));
-  PetscCall(PoolsDestroy(&cloud->pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

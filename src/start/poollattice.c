@@ -1,7 +1,6 @@
 /* The lattice of a pool whose borders are lines along the axes. Between two lines the spacing along
-   an axis is even and near dx. The outer particles are on free borders; they are half an edge away
-   from walls and from periodic sides, as on the lattice of a full box. All regions of a pool share
-   the lattice. */
+   an axis is even and near dx. The outer particles are half an edge away from the lines, as on the
+   lattice of a full box. All regions of a pool share the lattice. */
 #include "start.h"
 
 #define EDGE_LEAST 0.8 /* edges of cells for which a pool has a lattice [dx] */
@@ -10,29 +9,11 @@
 #define BODY_CLEAR 0.4  /* least distance from bodies [dx] */
 #define WALL_CLEAR 0.3  /* of displaced particles from walls [dx] */
 
-/* The lattice along an axis: places of particles, and ends of their cells [m]. */
+/* The lattice along an axis: places of particles [m]. */
 typedef struct {
   PetscInt   n;
-  PetscReal *place, *end; /* n, n + 1 */
+  PetscReal *place;
 } PoolAxis;
-
-/* Returns the place of the first particle behind an end of an axis: 1/2 behind walls and periodic
-   sides, 0 on free borders that have particles [edges]. */
-static PetscReal Offset(const Pools *pools, PetscInt axis, PetscReal line)
-{
-  const Scene *scene = pools->scene;
-
-  if (pools->inside) return 0.5;
-  for (PetscInt end = 0; end < 2; end++) {
-    const PetscInt  side = 2 * axis + end;
-    const PetscReal gap  = PetscAbsReal(line - (end ? scene->hi[axis] : scene->lo[axis]));
-
-    if (gap < NEAR * scene->dx && (BoundaryIs(scene, side, BOUNDARY_PARTICLES) ||
-                                   BoundaryIs(scene, side, BOUNDARY_CONTINUES)))
-      return 0.5;
-  }
-  return 0.0;
-}
 
 /* Returns true if a body may be in a pool, by the boxes around both. */
 static PetscBool MayBeIn(const Pools *pools, PetscInt pool, const Body *body)
@@ -56,8 +37,8 @@ static PetscBool MayBeIn(const Pools *pools, PetscInt pool, const Body *body)
 }
 
 /* Computes the lines across an axis that bound the regions of a pool, in ascending order, which the
-   caller frees; with particles inside, those of bodies too: a lattice leaves gaps beside others.
-   Output: count - their number, 0 if a border is no line along an axis. */
+   caller frees, with those of bodies: a lattice leaves gaps beside others. Output: count - their
+   number, 0 if a border is no line along an axis. */
 static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, PetscInt *count,
                                 PetscReal **lines)
 {
@@ -83,7 +64,7 @@ static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis
     low  = PetscMin(low, PetscMax(line[l], scene->lo[axis]));
     high = PetscMax(high, PetscMin(line[l], scene->hi[axis]));
   }
-  for (PetscInt b = 0; pools->inside && b < scene->n_bodies; b++) {
+  for (PetscInt b = 0; b < scene->n_bodies; b++) {
     PetscInt more;
 
     if (!MayBeIn(pools, pool, SceneBody(scene, b))) continue;
@@ -99,16 +80,13 @@ static PetscErrorCode PoolLines(const Pools *pools, PetscInt pool, PetscInt axis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the number of particles from one line to the next, those on the lines included; computes
-   the edge of their cells [m]. */
-static PetscInt CountBetween(const Pools *pools, PetscInt axis, const PetscReal line[2],
-                             PetscReal *edge)
+/* Returns the number of particles between two lines; computes the edge of their cells [m]. */
+static PetscInt CountBetween(PetscReal dx, const PetscReal line[2], PetscReal *edge)
 {
-  const PetscReal ends   = Offset(pools, axis, line[0]) + Offset(pools, axis, line[1]),
-                  length = line[1] - line[0];
-  const PetscInt n       = (PetscInt)PetscFloorReal(length / pools->scene->dx + 1.5 - ends);
+  const PetscReal length = line[1] - line[0];
+  const PetscInt  n      = (PetscInt)PetscFloorReal(length / dx + 0.5);
 
-  *edge = n - 1.0 + ends > 0.0 ? length / (n - 1.0 + ends) : PETSC_MAX_REAL;
+  *edge = n ? length / n : PETSC_MAX_REAL;
   return n;
 }
 
@@ -127,7 +105,7 @@ PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has)
     PetscCall(PoolLines(pools, pool, axis, &n, &line));
     if (n < 2) *has = PETSC_FALSE;
     for (PetscInt l = 0; l + 1 < n; l++) {
-      (void)CountBetween(pools, axis, &line[l], &edge);
+      (void)CountBetween(scene->dx, &line[l], &edge);
       if (edge < EDGE_LEAST * scene->dx || edge > EDGE_MOST * scene->dx) *has = PETSC_FALSE;
     }
     PetscCall(PetscFree(line));
@@ -142,57 +120,20 @@ static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, 
 
   PetscFunctionBegin;
   PetscCall(PoolLines(pools, pool, a, &lines, &line));
-  for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(pools, a, &line[l], &edge);
-  PetscCall(PetscMalloc2(room, &axis->place, room + 1, &axis->end));
+  for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(pools->scene->dx, &line[l], &edge);
+  PetscCall(PetscMalloc1(room, &axis->place));
   axis->n = 0;
   for (PetscInt l = 0; l + 1 < lines; l++) {
-    const PetscInt  n      = CountBetween(pools, a, &line[l], &edge);
-    const PetscReal offset = Offset(pools, a, line[l]), start = line[l] + edge * offset;
+    const PetscInt n = CountBetween(pools->scene->dx, &line[l], &edge);
 
-    for (PetscInt k = l && offset == 0.0 ? 1 : 0; k < n; k++)
-      axis->place[axis->n++] = start + k * edge;
+    for (PetscInt k = 0; k < n; k++) axis->place[axis->n++] = line[l] + (k + 0.5) * edge;
   }
-  axis->end[0] = line[0];
-  for (PetscInt k = 1; k < axis->n; k++) axis->end[k] = 0.5 * (axis->place[k - 1] + axis->place[k]);
-  axis->end[axis->n] = line[lines - 1];
   PetscCall(PetscFree(line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the axes along which a particle cannot move without leaving the pool or its free border:
-   bits of axes. One corner of its cell alone is empty at an edge that turns inwards. */
-static unsigned FixedAxes(const Pools *pools, const PoolAxis axis[], const PetscInt cell[])
-{
-  const PetscInt dim = pools->scene->dim;
-  unsigned       low = ~0u, high = ~0u, fixed; /* axes with no fluid on the side */
-  PetscInt       empty = 0;
-
-  if (pools->inside) return 0;
-  for (PetscInt corner = 0; corner < 1 << dim; corner++) {
-    PetscReal x[ISPH_MAX_DIM] = {0.0}, depth;
-    PetscBool flat            = PETSC_FALSE;
-
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal place = axis[a].place[cell[a]],
-                      end   = axis[a].end[cell[a] + (corner >> a & 1)];
-
-      x[a] = 0.5 * (place + end);
-      flat = flat || PetscAbsReal(place - end) < NEAR * pools->scene->dx;
-    }
-    (void)PoolAt(pools, x, &depth);
-    if (flat || depth < 0.0) {
-      empty++;
-      continue;
-    }
-    high &= ~(unsigned)corner;
-    low &= (unsigned)corner;
-  }
-  fixed = (low | high) & ((1u << dim) - 1);
-  return empty && !fixed ? (1u << dim) - 1 : fixed;
-}
-
-/* Displaces a particle at random along the axes that are not fixed, and keeps it off walls. */
-static void Jitter(const Scene *scene, PetscInt64 id, unsigned fixed, PetscReal x[])
+/* Displaces a particle at random, and keeps it off walls. */
+static void Jitter(const Scene *scene, PetscInt64 id, PetscReal x[])
 {
   const PetscReal least = WALL_CLEAR * scene->dx;
   PetscReal       distance, normal[ISPH_MAX_DIM];
@@ -201,7 +142,6 @@ static void Jitter(const Scene *scene, PetscInt64 id, unsigned fixed, PetscReal 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal period = scene->hi[a] - scene->lo[a];
 
-    if (fixed >> a & 1) continue;
     x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
     if (SceneIsPeriodic(scene, a)) x[a] -= period * PetscFloorReal((x[a] - scene->lo[a]) / period);
     else x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + least), scene->hi[a] - least);
@@ -213,15 +153,14 @@ static void Jitter(const Scene *scene, PetscInt64 id, unsigned fixed, PetscReal 
 
 /* Computes the place of lattice cell `index`; returns true if it is in the pool and off bodies. */
 static PetscBool CellHolds(const Pools *pools, PetscInt pool, const PoolAxis axis[], PetscInt index,
-                           PetscInt cell[], PetscReal x[])
+                           PetscReal x[])
 {
   const Scene *scene = pools->scene;
   PetscReal    depth, normal[ISPH_MAX_DIM];
   PetscInt     body;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
-    cell[a] = index % axis[a].n;
-    x[a]    = axis[a].place[cell[a]];
+    x[a] = axis[a].place[index % axis[a].n];
     index /= axis[a].n;
   }
   if (PoolAt(pools, x, &depth) != pool || depth < -NEAR * scene->dx) return PETSC_FALSE;
@@ -229,13 +168,12 @@ static PetscBool CellHolds(const Pools *pools, PetscInt pool, const PoolAxis axi
 }
 
 /* PoolLattice - Adds this rank's share of the particles of a pool that has a lattice. Collective on
-   PETSC_COMM_WORLD. Particles are displaced by the jitter of the scene; those on free borders stay
-   on them. */
+   PETSC_COMM_WORLD. Particles are displaced by the jitter of the scene. */
 PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows)
 {
   const Scene   *scene = pools->scene;
   const PetscInt begin = rows->n;
-  PetscInt       cell[ISPH_MAX_DIM], count[ISPH_MAX_DIM], cells, first, last, own, before = 0, all;
+  PetscInt       count[ISPH_MAX_DIM], cells, first, last, own, before = 0, all;
   PetscReal      x[ISPH_MAX_DIM] = {0.0};
   PoolAxis       axis[ISPH_MAX_DIM];
 
@@ -247,19 +185,18 @@ PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows)
   PetscCall(SceneCountCells(scene->dim, count, &cells));
   ParticlesShare(PETSC_COMM_WORLD, cells, &first, &last);
   for (PetscInt c = first; c < last; c++)
-    if (CellHolds(pools, pool, axis, c, cell, x)) PetscCall(RowsAdd(scene, x, rows));
+    if (CellHolds(pools, pool, axis, c, x)) PetscCall(RowsAdd(scene, x, rows));
   own = rows->n - begin;
   PetscCallMPI(MPI_Exscan(&own, &before, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(&own, &all, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   own = begin;
   for (PetscInt c = first; c < last; c++) {
-    if (!CellHolds(pools, pool, axis, c, cell, x)) continue;
+    if (!CellHolds(pools, pool, axis, c, x)) continue;
     rows->index[own] = rows->N + before + own - begin;
-    if (scene->jitter > 0.0)
-      Jitter(scene, rows->index[own], FixedAxes(pools, axis, cell), &rows->x[own * scene->dim]);
+    if (scene->jitter > 0.0) Jitter(scene, rows->index[own], &rows->x[own * scene->dim]);
     own++;
   }
   rows->N += all;
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscFree2(axis[a].place, axis[a].end));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscFree(axis[a].place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
 /* Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
    pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
-   of other pools lie on the free border (border.c) or are relaxed inside it (densityplaces.c,
-   relax.c). All particles of a pool have the same share of its volume. */
+   of other pools are relaxed (densityplaces.c, relax.c). All particles of a pool have the same
+   share of its volume. */
 #include "start.h"
 #include <string.h>
 
@@ -142,9 +142,30 @@ static PetscInt64 SumCell(const Pools *pools, PetscInt pool, const Quadrature *q
   return sum;
 }
 
+/* Returns true if a pool is a ball that nothing cuts, whose volume is known. */
+static PetscBool IsFreeBall(const Pools *pools, PetscInt pool, PetscReal *volume)
+{
+  const Scene *scene = pools->scene;
+  PetscInt     ball  = -1;
+
+  if (scene->dim == 2 || scene->n_bodies) return PETSC_FALSE;
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    if (pools->of[k] != pool) continue;
+    if (ball >= 0 || strcmp(scene->filled[k].shape->name, "ball")) return PETSC_FALSE;
+    ball = k;
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscReal span[2];
+
+    BodySpan(&scene->filled[ball], a, span);
+    if (span[0] < scene->lo[a] || span[1] > scene->hi[a]) return PETSC_FALSE;
+  }
+  *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[ball].extent, 3);
+  return PETSC_TRUE;
+}
+
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
-   number, so that it does not depend on the number of ranks. A ball is a pool of its own, inside
-   the box. */
+   number, so that it does not depend on the number of ranks. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene   *scene = pools->scene;
@@ -153,17 +174,9 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   const PetscInt axes = BoxAround(pools, pool, q.lo, hi) ? 2 : 3;
   PetscInt       cells, first, last;
   PetscInt64     sum = 0;
-  BodyMoments    moments;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_filled; k++) {
-    if (pools->of[k] != pool || BodyOutline(scene, &scene->filled[k])) continue;
-    BodyFindMoments(&scene->filled[k], &moments);
-    *volume = moments.volume;
-    if (!strcmp(scene->filled[k].shape->name, "ball")) /* exactly */
-      *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (IsFreeBall(pools, pool, volume)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < axes; a++) {
     q.n[a]               = (PetscInt)PetscCeilReal((hi[a] - q.lo[a]) / scene->dx);
     q.all *= q.points[a] = POINTS;
@@ -179,54 +192,15 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses regions in 3D on whose borders no particles can be placed: balls that touch a side of the
-   box or another region, and boxes that end inside the scene in a pool without lattice. */
-static PetscErrorCode RefuseBorders(const Pools *pools)
-{
-  const Scene *scene = pools->scene;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_filled && scene->dim == 3; k++) {
-    const Body *body  = &scene->filled[k];
-    PetscBool   alone = PETSC_TRUE;
-
-    for (PetscInt m = 0; m < scene->n_filled; m++)
-      alone = alone && (m == k || pools->of[m] != pools->of[k]);
-    UserCheck(!body->shape->ends || pools->lattice[pools->of[k]],
-              "-scene_filled_%" PetscInt_FMT
-              ": it has no lattice, as it touches a region that is no box, or its edges and -n do "
-              "not fit; use other regions or another -n",
-              k + 1);
-    if (BodyOutline(scene, body)) continue;
-    UserCheck(alone,
-              "-scene_filled_%" PetscInt_FMT ": a %s may not touch another region that is filled",
-              k + 1, body->shape->name);
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscReal span[2];
-
-      BodySpan(body, a, span);
-      UserCheck(span[0] >= scene->lo[a] + 0.5 * scene->dx &&
-                    span[1] <= scene->hi[a] - 0.5 * scene->dx,
-                "-scene_filled_%" PetscInt_FMT
-                ": a %s stays dx/2 = %.3g off the sides of the box; along %s it reaches from "
-                "%.4g to %.4g",
-                k + 1, body->shape->name, (double)(0.5 * scene->dx), BoxAxes[a], (double)span[0],
-                (double)span[1]);
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* PoolsCreate - Finds the pools of a scene and their volumes. Collective on PETSC_COMM_WORLD.
-   Input: pools - its flag inside. Output: pools - none if the fluid fills the box; free with
-   PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without
-   particles. */
+   Output: pools - none if the fluid fills the box. Errors: refuses a jitter if no pool has a
+   lattice. */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
   PetscBool lattices = PETSC_FALSE;
 
   PetscFunctionBegin;
-  *pools = (Pools){.scene = scene, .inside = pools->inside};
+  *pools = (Pools){.scene = scene};
   JoinRegions(scene, pools);
   for (PetscInt pool = 0; pool < pools->n; pool++) {
     PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
@@ -239,27 +213,13 @@ PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
       "-jitter %.6g: it displaces lattices, which only regions bounded by lines along the axes "
       "have; leave it out",
       (double)scene->jitter);
-  PetscCall(RefuseBorders(pools));
-  PetscCall(BorderCreate(pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PoolsDestroy - Frees the pools */
-PetscErrorCode PoolsDestroy(Pools *pools)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(pools->border));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice, and not in
-   the half spacing below its free border, which belongs to the particles on it */
+/* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice */
 PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
 {
-  const PetscReal reach = 0.5 * pools->scene->dx;
-  PetscReal       depth;
+  PetscReal depth;
 
-  if (pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0) return PETSC_FALSE;
-  if (depth >= reach || pools->inside) return PETSC_TRUE;
-  return BorderIsNear(pools, x, reach) ? PETSC_FALSE : PETSC_TRUE;
+  return pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0 ? PETSC_FALSE : PETSC_TRUE;
 }

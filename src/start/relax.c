@@ -51,14 +51,12 @@ static void AddImage(PetscInt dim, const WallPlane *plane, const PetscReal X[], 
   AddPush(dim, Y, own, dx, push);
 }
 
-/* Adds the plane of the free border of the filled region that is deepest at x, unless it has
-   particles. */
-static void AddBorder(const Scene *scene, const Pools *pools, const PetscReal x[], PetscReal reach,
-                      WallPlane planes[], PetscInt *n)
+/* Adds the plane of the free border of the filled region that is deepest at x. */
+static void AddBorder(const Scene *scene, const PetscReal x[], PetscReal reach, WallPlane planes[],
+                      PetscInt *n)
 {
   PetscReal most = -PETSC_INFINITY, normal[ISPH_MAX_DIM] = {0.0};
 
-  if (!pools->inside) return;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
     PetscReal       out[ISPH_MAX_DIM];
     const PetscReal depth = -BodyDistance(scene, &scene->filled[k], x, out);
@@ -77,8 +75,7 @@ static void AddBorder(const Scene *scene, const Pools *pools, const PetscReal x[
 
 /* Computes the displacement v of fluid particle i in a step [dx_i], which is stored as its
    velocity. */
-static void PushOf(const Scene *scene, const Pools *pools, Particles *p, const Neighbors *nb,
-                   PetscInt i)
+static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscInt i)
 {
   WallPlane       planes[WALL_PLANES];
   const PetscReal zero[ISPH_MAX_DIM] = {0.0};
@@ -88,7 +85,7 @@ static void PushOf(const Scene *scene, const Pools *pools, Particles *p, const N
 
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   SceneWallPlanes(scene, x, RANGE * p->dx[i], planes, &n_planes);
-  AddBorder(scene, pools, x, RANGE * p->dx[i], planes, &n_planes);
+  AddBorder(scene, x, RANGE * p->dx[i], planes, &n_planes);
   for (PetscInt k = 0; k < n_planes; k++)
     AddImage(p->dim, &planes[k], zero, p->dx[i], p->dx[i], &push);
   for (PetscInt l = nb->row[i]; l < nb->row[i + 1]; l++) {
@@ -118,7 +115,7 @@ static PetscErrorCode Step(const Scene *scene, const Cloud *cloud, Particles *p,
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (p->id[i] >= ordered) PushOf(scene, &cloud->pools, p, nb, i);
+    if (p->id[i] >= ordered) PushOf(scene, p, nb, i);
   }
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0};

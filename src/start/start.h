@@ -2,7 +2,7 @@
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
     fill.c | relax.c, lattice.c, irregularstart.c | givenpositions.c, wallparticles.c |
-    densityplaces.c | pools.c | poollattice.c, border.c | wallrows.c
+    densityplaces.c | pools.c | poollattice.c | wallrows.c
 */
 #ifndef ISPH_START_START_H
 #define ISPH_START_START_H
@@ -19,24 +19,14 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
 
 /* pools.c */
 typedef struct {
-  PetscInt  region;          /* filled region on whose outline it lies */
-  PetscBool free;            /* on the free border of the fluid */
-  PetscReal x[ISPH_MAX_DIM]; /* in the plane of the outline, of a meridian (r, z) [m] */
-  PetscReal normal[ISPH_MAX_DIM], length; /* of the outline [m] */
-} BorderSample;
-typedef struct {
-  const Scene  *scene;
-  PetscInt      n;                         /* pools; 0: the fluid fills the box */
-  PetscInt      of[SCENE_MAX_FILLED];      /* pool of each filled region */
-  PetscBool     lattice[SCENE_MAX_FILLED]; /* of each pool: it has a lattice */
-  PetscReal     volume[SCENE_MAX_FILLED];  /* of each pool [m^dim] */
-  PetscBool     relaxed;                   /* a pool has no lattice */
-  PetscBool     inside;                    /* see WallPlacement */
-  BorderSample *border; /* of pools without lattice, in the order of outlines; all ranks */
-  PetscInt      n_border;
+  const Scene *scene;
+  PetscInt     n;                         /* pools; 0: the fluid fills the box */
+  PetscInt     of[SCENE_MAX_FILLED];      /* pool of each filled region */
+  PetscBool    lattice[SCENE_MAX_FILLED]; /* of each pool: it has a lattice */
+  PetscReal    volume[SCENE_MAX_FILLED];  /* of each pool [m^dim] */
+  PetscBool    relaxed;                   /* a pool has no lattice */
 } Pools;
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools);
-PetscErrorCode PoolsDestroy(Pools *pools);
 PetscBool      PoolsHold(const Pools *pools, const PetscReal x[]);
 
 /* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
@@ -99,11 +89,6 @@ PetscErrorCode RowsDestroy(Rows *rows);
 PetscErrorCode PoolHasLattice(const Pools *pools, PetscInt pool, PetscBool *has);
 PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows);
 
-/* border.c */
-PetscErrorCode BorderCreate(Pools *pools);
-PetscBool      BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach);
-PetscErrorCode BorderParticles(const Pools *pools, Rows *rows);
-
 /* givenpositions.c */
 PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p);
 
@@ -115,7 +100,7 @@ typedef struct {
   Pools     pools;
 } Cloud;
 PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, Cloud *cloud);
-PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p);
+PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p);
 
 /* relax.c */
 PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p);

@@ -112,8 +112,6 @@ const PetscReal *StrainPhiIn(PetscInt dim, const StrainNodes *corners, const Str
 #define LEVEL_HIGH 0.8
 
 typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
-PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
-                                   const PetscReal x[], PetscInt list[], PetscReal *C);
 PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
                            StrainVolume Volume, void *ctx, PetscReal *tau);
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,

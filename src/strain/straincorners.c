@@ -5,7 +5,6 @@
 #include "strain.h"
 
 #define NODE_REACH   1.5  /* particles that decide on the interface at a corner [dx] */
-#define VOID_REACH   1.2  /* without a particle so near a corner is outside the free surface [dx] */
 #define SHIFT_MOST   0.5  /* of interfaces to the volumes of their fluids [dx] */
 #define SHIFT_ROUNDS 4    /* over three fluids and more */
 #define TIE          1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
@@ -123,48 +122,6 @@ static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const St
     if (corners->phi[k] >= TIE * scene->dx) continue;
     corners->phi[k]   = TIE * scene->dx;
     corners->fluid[k] = plane.fluid[StrainIsStiffer(scene, plane.fluid[1], plane.fluid[0])];
-  }
-  PetscCall(PetscFree(list));
-  PetscCall(CellsFree(&cells));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the depths of the corners below the tangent plane of the nearest particle on the free
-   surface. */
-static PetscErrorCode SetTangentDepths(const Scene *scene, const Particles *p,
-                                       const FreeSurface *free, const StrainLattice *l,
-                                       StrainNodes *corners)
-{
-  const PetscReal reach = NODE_REACH * scene->dx;
-  Cells           cells = {0};
-  PetscInt       *list;
-
-  PetscFunctionBegin;
-  PetscCall(CellsBuild(p, reach, &cells));
-  PetscCall(PetscMalloc1(cells.n + 1, &list));
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscInt  index[ISPH_MAX_DIM], n;
-    PetscReal x[ISPH_MAX_DIM], least[2] = {PETSC_INFINITY, PETSC_INFINITY}, depth = reach;
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
-    for (PetscInt q = 0; q < n; q++) {
-      const PetscInt  j  = list[q];
-      PetscReal       r2 = 0.0, along = 0.0;
-      const PetscBool on = !ParticlesIsWall(p, j) && free->kind[j] != SURFACE_INSIDE;
-
-      if (ParticlesIsWall(p, j) || free->kind[j] == SURFACE_ISOLATED) continue;
-      for (PetscInt a = 0; a < p->dim; a++) {
-        r2 += PetscSqr(x[a] - p->x[a][j]);
-        if (on) along += (p->x[a][j] - x[a]) * free->normal[j * p->dim + a];
-      }
-      least[0] = PetscMin(least[0], r2);
-      if (!on || r2 >= least[1]) continue;
-      least[1] = r2;
-      depth    = along;
-    }
-    corners->depth[k] = least[0] < PetscSqr(VOID_REACH * scene->dx) ? depth : -reach;
   }
   PetscCall(PetscFree(list));
   PetscCall(CellsFree(&cells));
@@ -317,9 +274,8 @@ static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
       if (!SceneIsPeriodic(scene, a) && (p->x[a][i] < scene->lo[a] || p->x[a][i] > scene->hi[a]))
         out = 1;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MAX, p->comm));
-  UserCheck(!out, "-scene_box: fluid has left the box, and with -visc_laplacian weak_stress there "
-                  "is none outside; give a "
-                  "smaller -t_end or a larger -scene_box");
+  UserCheck(!out, "-scene_box: fluid has left the box, and below a free surface there is none "
+                  "outside; give a smaller -t_end or a larger -scene_box");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -421,11 +377,10 @@ PetscErrorCode StrainNodesFind(const Scene *scene, const Particles *p, PetscReal
                            corners->all, &corners->phi));
     PetscCall(SetFluids(scene, p, l, corners));
   }
-  if (!quantity->free && !quantity->cut) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!quantity->cut) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(corners->all, &corners->depth));
-  if (quantity->cut) PetscCall(FindSurface(scene, p, l, corners));
-  else PetscCall(SetTangentDepths(scene, p, quantity->free, l, corners));
-  if (quantity->cut && p->fluid) PetscCall(SetVolumes(scene, p, l, corners));
+  PetscCall(FindSurface(scene, p, l, corners));
+  if (p->fluid) PetscCall(SetVolumes(scene, p, l, corners));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

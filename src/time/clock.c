@@ -103,7 +103,6 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   PetscCall(MemoryAddInt(memory, "step", &c->step));
   PetscCall(MemoryAddInt(memory, "next_report", &c->next_report));
   PetscCall(MemoryAddInt(memory, "retries", &c->retries));
-  PetscCall(MemoryAddInt(memory, "bursts", &c->bursts));
   PetscCall(MemoryAddInt(memory, "halvings", &c->halvings));
   PetscCall(MemoryAddInt(memory, "good_needed", &c->good_needed));
   PetscCall(MemoryAddInt(memory, "good", &c->good));

@@ -312,18 +312,13 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 
 /* AddRows_Divergence - Adds a particle's rows of the divergence. If wall neighbours have equations
    in fits and the gradient form has a DivergenceFit, the rows come from this fit of the velocity
-   vector, otherwise from the weights of the gradient. Below a free surface fits have their own
-   degree. Boundaries have the equations of FIT_DIVERGENCE in fluids with a free surface only:
-   theory.md, section 5. */
+   vector, otherwise from the weights of the gradient: theory.md, section 5. */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
 {
-  const PetscInt degree = st->degree;
-
   PetscFunctionBegin;
   if (!StoresRow(ops, &ops->div[0])) PetscFunctionReturn(PETSC_SUCCESS);
-  if (st->beside_smooth_surface) st->degree = st->surface_degree;
-  StencilSetQuantity(scene, ops->free ? FIT_DIVERGENCE : FIT_VELOCITY_NORMAL, st);
+  StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
   } else {
@@ -335,43 +330,6 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
         ops->work->m[k] += ops->work->g[c][k] * st->normal[c][k];
     }
   }
-  st->degree = degree;
   AddRow_Divergence(st, diagonal, ops->work->g, ops->work->m, ops);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets a row of an operator to a multiple of the particle's own value. */
-static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal value,
-                        const AffineOperator *op)
-{
-  PetscReal *a, *b;
-
-  EmptyRow(ops, st->i, op, &a, &b);
-  a[diagonal] = value;
-}
-
-/*
-  SetRows_Surface - Replaces the rows of a particle on a free surface: its pressure is given, and it
-  has no equation of mass
-
-    p_i - 2 mu_i (n.E n)_i = 0
-
-  The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for which the scheme
-  has the factor. It vanishes on rough surfaces. No pressure gradient acts on isolated particles.
-*/
-void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
-{
-  SetDiagonal(st, ops, diagonal, 1.0, &ops->ppe);
-  if (ops->filter_p.needed) SetDiagonal(st, ops, diagonal, 1.0, &ops->filter_p);
-  for (PetscInt c = 0; c < st->dim; c++) {
-    PetscReal *a, *b;
-
-    if (st->kind == SURFACE_ISOLATED) EmptyRow(ops, st->i, &ops->grad_p[c], &a, &b);
-    EmptyRow(ops, st->i, &ops->div[c], &a, &b);
-    if (st->kind != SURFACE_SMOOTH || !LaplacianFitsSurface(&ops->forms.visc)) continue;
-    for (PetscInt k = 0; k < st->n; k++) {
-      (st->wall[k] ? b : a)[ops->work->slot[k]] += st->normal_strain[c][k];
-      a[diagonal] -= st->normal_strain[c][k];
-    }
-  }
 }

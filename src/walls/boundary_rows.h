@@ -39,6 +39,5 @@ PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *stencil, Petsc
                                      Operators *ops);
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
-void           SetRows_Surface(const Stencil *stencil, PetscInt diagonal, Operators *ops);
 
 #endif

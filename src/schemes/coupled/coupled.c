@@ -3,26 +3,6 @@
 #include "coupled.h"
 #include "schemes/scalars/scalars.h"
 #include "schemes/stages/stages.h"
-#include "schemes/surface/surface.h"
-
-static const CoupledGradientRow gradients[] = {
-    {.name = "fit", .brief = "that of -gradient: as accurate as the divergence"},
-    {.name     = "adjoint",
-     .brief    = "minus the transposed divergence: conserves momentum and adds no energy; order 1",
-     .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
-     .adjoint  = PETSC_TRUE},
-    {.name     = "natural",
-     .brief    = "adjoint off walls, fit beside them; with pair forces no stress on free surfaces",
-     .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
-     .natural  = PETSC_TRUE},
-};
-const Table CoupledGradientTable = TABLE("Pressure gradients of the coupled scheme", gradients);
-
-static const OptionRow options[] = {
-    OPTION(NAME, "-coupled_gradient", "pressure gradient", NULL, REGIME, .expert = PETSC_TRUE,
-           .table = &CoupledGradientTable, .where = "-scheme coupled with -pressure_points same"),
-};
-const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 
 /* Refuses forms for which the coupled scheme has no solver. */
 static PetscErrorCode RefuseForms(const Flow *flow)
@@ -38,7 +18,7 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "or -scheme projection",
             slip->option.name);
   UserCheck(flow->scheme->splines || !flow->ops->cut_surface,
-            "-pressure_points same: -visc_laplacian weak_stress with a free surface needs coarse");
+            "-pressure_points same: a free surface needs coarse");
   UserCheck(flow->scheme->splines || forms->gradient->DivergenceFit,
             "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
             "only -gradient mls has",
@@ -101,7 +81,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscCall(PressurePointsChoose(scene, &points));
-  if (!points->coarse) PetscCall(VolumesCreate(flow));
   flow->scheme->needs |= NEED_MATRICES;
   if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &c->spacing));
   else flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
@@ -109,31 +88,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
     flow->state->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Chooses the pressure gradient for the forms of the run. */
-static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
-{
-  const LaplacianForm *visc   = &flow->ops->forms.visc;
-  Regime              *regime = flow->scene->regime;
-  const char          *standard;
-  PetscBool            fits;
-
-  PetscFunctionBegin;
-  RegimeSetFact(regime, FACT_PAIRS,
-                LaplacianIs(visc, FORM_ANGULAR) && LaplacianIs(visc, FORM_SAFE_IMPLICIT)
-                    ? PETSC_TRUE
-                    : PETSC_FALSE);
-  standard = RegimeWord(regime, REGIME_GRADIENT);
-  PetscCall(OptionGetRow(&options[0], standard, &c->gradient));
-  PetscCall(PetscStrcmp(standard, gradients[0].name, &fits));
-  UserCheck(!c->gradient->natural || !fits,
-            "%s natural: it needs a free surface without tension and -visc_laplacian "
-            "pairwise_stress; use fit or adjoint",
-            options[0].name);
-  c->saddle.adjoint = c->gradient->adjoint;
-  c->saddle.natural = c->gradient->natural;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,8 +99,6 @@ static PetscErrorCode CoupledSetUp(Flow *flow)
   if (c->spacing > 0.0) {
     PetscCall(SplinesCreate(flow, c->spacing, &flow->scheme->splines));
     flow->scheme->splines->has_products = PETSC_TRUE;
-  } else {
-    PetscCall(ChooseGradient(flow, c));
   }
   PetscCall(RefuseForms(flow));
   PetscCall(CoupledSolverCreate(flow, c));
@@ -181,12 +133,8 @@ static PetscErrorCode CoupledBegin(Flow *flow)
 
 static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
 {
-  const Coupled *c = (const Coupled *)flow->scheme->data;
-
   PetscFunctionBegin;
   if (flow->scheme->splines) PetscCall(SplinesView(flow->scheme->splines, viewer));
-  if (c->gradient && c->gradient != &gradients[0])
-    PetscCall(TableViewRow("grad p", c->gradient, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,12 +159,12 @@ static const Stage solve = {.name   = "solve",
                             .solves = PETSC_TRUE};
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,
-    &StageVolume,   &StageScalars, &StageFilter, &start,      &solve,
-    &StageCollide,  &StageMean,    &StageCheck,  &StageError, NULL,
+    &StageMomentum, &StageBodies, &StageMove, &StagePass, &StageRebuild,
+    &StageScalars,  &StageFilter, &start,     &solve,     &StageMean,
+    &StageCheck,    &StageError,  NULL,
 };
 
-static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeBurst, &JudgeFailure, NULL};
+static const Judge *const judges[] = {&JudgeBodies, &JudgeJump, &JudgeFailure, NULL};
 
 const SchemeRow SchemeCoupled = {
     .name     = "coupled",

@@ -1,42 +1,29 @@
 /* The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
    options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
-   on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
-   saddlesurface.c the pressures of free surfaces in it, velocityblock.c and schur.c the
-   preconditioners of velocities and of pressures, rheology.c viscosities that follow the strain
-   rate, step.c the step. */
+   on splines in it, velocityblock.c and schur.c the preconditioners of velocities and of pressures,
+   rheology.c viscosities that follow the strain rate, step.c the step. */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 
 #include "saddle.h"
 #include "schemes/stages/pressurepoints.h"
 
-extern const Table       CoupledGradientTable;
-extern const OptionTable CoupledOptions;
-
-/* Pressure gradient of the coupled scheme. */
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   adjoint; /* G is minus the transposed D */
-  PetscBool   natural; /* G is that off walls */
-} CoupledGradientRow;
-
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */
 typedef struct {
-  const Scene       *scene;
-  const Particles   *particles;
-  const Saddle      *saddle;         /* units of the particles */
-  const FreeSurface *free;           /* NULL: no free surface */
-  Splines           *splines;        /* NULL: the pressure is on particles */
-  Mat                mass;           /* the identity, for other PCs than shell */
-  Mat                poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
-  KSP                ksp;            /* solver of poisson */
-  KspViews           views;          /* -coupled_schur_ksp_view, ... */
-  Vec                work;           /* work vector */
-  PC                 products;       /* of the mass matrix of splines */
-  Vec                root;           /* of splines: (nu_q/nu)^1/2 [-] */
-  Vec                flux, part;     /* of splines: work vectors */
-  PetscInt           stamp;          /* of the products of splines at the last set-up */
-  PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
+  const Scene     *scene;
+  const Particles *particles;
+  const Saddle    *saddle;         /* units of the particles */
+  Splines         *splines;        /* NULL: the pressure is on particles */
+  Mat              mass;           /* the identity, for other PCs than shell */
+  Mat              poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
+  KSP              ksp;            /* solver of poisson */
+  KspViews         views;          /* -coupled_schur_ksp_view, ... */
+  Vec              work;           /* work vector */
+  PC               products;       /* of the mass matrix of splines */
+  Vec              root;           /* of splines: (nu_q/nu)^1/2 [-] */
+  Vec              flux, part;     /* of splines: work vectors */
+  PetscInt         stamp;          /* of the products of splines at the last set-up */
+  PetscReal        viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 } Schur;
 
 PetscErrorCode SchurCreate(PetscBool layer, Schur *schur);
@@ -62,19 +49,18 @@ PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *saddle, Velocity
 PetscErrorCode VelocityBlockFree(VelocityBlock *block);
 
 typedef struct {
-  const CoupledGradientRow *gradient; /* NULL: that of splines */
-  PetscReal                 spacing;  /* of splines: edge of a cell [dx]; 0: none */
-  Guard                     guard;
-  Saddle                    saddle;
-  Mat                       flat;   /* P for preconditioners without blocks, otherwise NULL */
-  PetscBool                 splits; /* the preconditioner has blocks */
-  VelocityBlock             velocity;
-  Schur                     schur;
-  Vec                       x, b;                /* unknowns; right-hand side [m/s] */
-  Vec                       part, work;          /* work vectors of a component */
-  Vec                       all_walls, boundary; /* wall velocities of interlaced components,
+  PetscReal     spacing; /* of splines: edge of a cell [dx]; 0: none */
+  Guard         guard;
+  Saddle        saddle;
+  Mat           flat;   /* P for preconditioners without blocks, otherwise NULL */
+  PetscBool     splits; /* the preconditioner has blocks */
+  VelocityBlock velocity;
+  Schur         schur;
+  Vec           x, b;                /* unknowns; right-hand side [m/s] */
+  Vec           part, work;          /* work vectors of a component */
+  Vec           all_walls, boundary; /* wall velocities of interlaced components,
                                                     their viscous terms; NULL: not coupled */
-  Vec                       u[ISPH_MAX_DIM];     /* components of x [m/s] */
+  Vec           u[ISPH_MAX_DIM];     /* components of x [m/s] */
 
   Flow      *flow;      /* of the present step */
   Vec       *force;     /* [m/s^2] */

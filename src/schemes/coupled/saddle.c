@@ -18,10 +18,6 @@
   equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices); it vanishes for
   quadratic pressures and needs no condition at walls. The column c of GaugeColumn() fixes the
   constant of the pressure. See theory.md, (coupled:scales), (coupled:system) and (coupled:modes).
-
-  On free surfaces the rows of mass give the pressure, q - Z u = 0, and the unknown there is the
-  given q - Z u, see saddlesurface.c. In fluids with a free surface columns of G that oppose their
-  equations are replaced, see adjoint.c.
 */
 #include "saddle.h"
 
@@ -67,8 +63,6 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
     viscosity[i] = nu / scene->nu;
     time[i]      = SaddleTime(nu, flow->clock, p->dx[i]) / s->step;
     length[i] = mass[i] = p->dx[i] / scene->dx;
-    if (FreeSurfaceHolds(flow->ops->free, i))
-      mass[i] = -nu * time[i] * s->step / (p->dx[i] * scene->dx);
   }
   PetscCall(VecRestoreArrayWrite(s->viscosity, &viscosity));
   PetscCall(VecRestoreArrayWrite(s->mass, &mass));
@@ -102,7 +96,6 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
                         ops->div, &s->D));
   PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure, NULL},
                         &ops->filter_p, &s->C));
-  PetscCall(SaddleReplaceGradient(flow, momentum, s));
   PetscCall(VecDestroyAll(&momentum, &mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,11 +259,9 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], Saddle *s
   PetscCall(SetUnits(flow, s));
   PetscCall(CreateMomentum(flow, advecting, s));
   PetscCall(CreateBlocks(flow, s));
-  PetscCall(SaddleCreateStress(flow, s));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim * p->n_fluid, s->n_p, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
-  if (s->Z) PetscCall(SaddleCreateProduct(s));
-  else PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
+  PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -301,8 +292,7 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 /* SaddleFree - Frees all matrices and units; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
-  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z,         &s->C,
-                &s->D, &s->G, &s->F,     &s->component, &s->viscous};
+  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->C, &s->D, &s->G, &s->F, &s->component, &s->viscous};
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
@@ -321,14 +311,17 @@ PetscErrorCode SaddleFlatten(Mat P, Mat *flat)
   PetscInt        n;
   PetscBool       nested;
   IS              rows[2];
-  Mat             product;
+  Mat             F, nest, **block;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
   if (!nested) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SaddleMultiplyOut(P, &product));
-  PetscCall(MatConvert(product, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
-  PetscCall(MatDestroy(&product));
+  PetscCall(MatNestGetSubMats(P, NULL, NULL, &block));
+  PetscCall(MatConvert(block[0][0], MATAIJ, MAT_INITIAL_MATRIX, &F)); /* it may be a MATMAIJ */
+  PetscCall(MatCreateNest(PetscObjectComm((PetscObject)P), 2, NULL, 2, NULL,
+                          (Mat[]){F, block[0][1], block[1][0], block[1][1]}, &nest));
+  PetscCall(MatConvert(nest, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
+  PetscCall(MatDestroyAll(&nest, &F));
   PetscCall(MatNestGetISs(P, rows, NULL));
   PetscCall(ISGetLocalSize(rows[1], &n));
   PetscCall(ISGetIndices(rows[1], &index));
@@ -340,13 +333,12 @@ PetscErrorCode SaddleFlatten(Mat P, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i less the pressure level
-   of the scene is q_i times the unit of pressures; collective */
+/* SaddlePut - Sets x = (u, q); p_i less the pressure level of the scene is q_i times the unit of
+   pressures; not collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from, *unit, *one = NULL;
   PetscScalar       *to;
-  Vec                stress;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(x, &to));
@@ -364,27 +356,16 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
-  PetscCall(SaddleStress(s, x, &stress));
-  if (!stress) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArrayRead(stress, &from));
-  PetscCall(VecGetArray(x, &to));
-  for (PetscInt i = 0; i < s->n_p; i++) to[s->dim * s->n + i] -= from[i];
-  PetscCall(VecRestoreArray(x, &to));
-  PetscCall(VecRestoreArrayRead(stress, &from));
-  PetscCall(VecDestroy(&stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; collective */
+/* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
-  const PetscScalar *from, *unit, *z = NULL, *one = NULL;
+  const PetscScalar *from, *unit, *one = NULL;
   PetscScalar       *to;
-  Vec                stress = NULL;
 
   PetscFunctionBegin;
-  if (p) PetscCall(SaddleStress(s, x, &stress));
-  if (stress) PetscCall(VecGetArrayRead(stress, &z));
   PetscCall(VecGetArrayRead(x, &from));
   for (PetscInt c = 0; c < s->dim; c++) {
     PetscCall(VecGetArray(u[c], &to));
@@ -396,15 +377,12 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
     PetscCall(VecGetArrayRead(s->pressure, &unit));
     if (s->constant) PetscCall(VecGetArrayRead(s->constant, &one));
     for (PetscInt i = 0; i < s->n_p; i++)
-      to[i] = s->level * (one ? one[i] : 1.0) +
-              (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
+      to[i] = s->level * (one ? one[i] : 1.0) + from[s->dim * s->n + i] * s->unit * unit[i];
     if (one) PetscCall(VecRestoreArrayRead(s->constant, &one));
     PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }
   PetscCall(VecRestoreArrayRead(x, &from));
-  if (stress) PetscCall(VecRestoreArrayRead(stress, &z));
-  PetscCall(VecDestroy(&stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

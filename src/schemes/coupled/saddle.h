@@ -1,4 +1,4 @@
-/* The matrix of the coupled system; see saddle.c, adjoint.c and saddlesurface.c. */
+/* The matrix of the coupled system; see saddle.c. */
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
@@ -8,16 +8,13 @@
    interlaced components, and then their pressures, so that standard PETSc vectors suffice. */
 typedef struct {
   PetscInt  dim, n, n_p; /* own particles; pressures of this rank: own particles or splines */
-  PetscBool adjoint;     /* G is minus the transposed D; chosen before the assembly */
-  PetscBool natural;     /* G is that off walls; chosen before the assembly */
   PetscReal step;        /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;        /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
   PetscReal level;       /* pressure whose unknown is zero, see SceneSetLevel() [Pa] */
   Vec       time;        /* T_i/T of each particle [-] */
   Vec       length;      /* dx_i/dx of each particle [-] */
   Vec       viscosity;   /* nu_i/nu of each pressure [-] */
-  Vec       mass;        /* factor of the rows of div over dx: as `length`, on free surfaces of the
-                           equation of the pressure there [-] */
+  Vec       mass;        /* factor of the rows of div over dx [-] */
   Vec       pressure;    /* unit of each pressure over `unit` [-] */
   Vec       constant;    /* numbers of splines that make the pressure 1; NULL: all are 1 [-] */
   PetscBool repeats;     /* F is a MATMAIJ; chosen before the assembly */
@@ -29,11 +26,10 @@ typedef struct {
   PetscReal nu;          /* of such an F: nu_0 [m^2/s] */
   Mat       F, G, D;     /* T_i (shift - nu L + v.grad); T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;           /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
-  Mat       Z;          /* 2 mu n.E n on free surfaces, see saddlesurface.c; NULL: no surface [-] */
-  Mat       P;          /* [F G; D C] */
-  Mat       A;          /* [F G; D C + c c^T], with Z a product; P itself without c and Z */
-  Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
-  PetscInt  assemblies; /* stamp of the operators in the blocks */
+  Mat       P;           /* [F G; D C] */
+  Mat       A;           /* [F G; D C + c c^T], P itself without c */
+  Mat       gauge;       /* c of GaugeColumn(), NULL for a determined pressure */
+  PetscInt  assemblies;  /* stamp of the operators in the blocks */
 } Saddle;
 
 PetscReal      SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx);
@@ -48,15 +44,5 @@ PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec 
 /* saddlesplines.c */
 PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *saddle);
 PetscErrorCode SaddleAddGiven(const Saddle *saddle, PetscReal t, const Splines *splines, Vec b);
-
-/* adjoint.c */
-PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *saddle);
-
-/* saddlesurface.c */
-PetscErrorCode SaddleCreateStress(const Flow *flow, Saddle *saddle);
-PetscErrorCode SaddleCreateProduct(Saddle *saddle);
-PetscErrorCode SaddleMultiplyOut(Mat P, Mat *product);
-PetscErrorCode SaddleAddTension(const FreeSurface *surface, const Saddle *saddle, Vec b);
-PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);
 
 #endif

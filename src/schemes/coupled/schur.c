@@ -72,23 +72,6 @@ static PetscErrorCode SplineSchurApply(Schur *s, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets y to x on free surfaces, or to zero if x is NULL: the pressure is given there. */
-static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
-{
-  const PetscScalar *from = NULL;
-  PetscScalar       *to;
-
-  PetscFunctionBegin;
-  if (!s->free) PetscFunctionReturn(PETSC_SUCCESS);
-  if (x) PetscCall(VecGetArrayRead(x, &from));
-  PetscCall(VecGetArray(y, &to));
-  for (PetscInt i = 0; i < s->particles->n_fluid; i++)
-    if (FreeSurfaceHolds(s->free, i)) to[i] = x ? from[i] : 0.0;
-  PetscCall(VecRestoreArray(y, &to));
-  if (x) PetscCall(VecRestoreArrayRead(x, &from));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Applies S^-1 for any step:
 
@@ -109,7 +92,6 @@ static PetscErrorCode ApplyCahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
-  PetscCall(SetSurface(s, NULL, s->work));
   PetscCall(GaugeRemove(s->scene, s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
   PetscCall(KspViewsShow(s->ksp, &s->views));
@@ -119,7 +101,6 @@ static PetscErrorCode ApplyCahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(VecPointwiseMult(s->work, s->work, s->saddle->viscosity));
   PetscCall(VecAXPY(y, s->viscous, s->work));
   PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
-  PetscCall(SetSurface(s, x, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,7 +208,6 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, PetscBool a
   s->splines   = flow->scheme->splines;
   s->particles = flow->particles;
   s->saddle    = saddle;
-  s->free      = flow->ops->free;
   PetscCall(MatCreateConstantDiagonal(flow->particles->comm, saddle->n_p, saddle->n_p,
                                       PETSC_DETERMINE, PETSC_DETERMINE, 1.0, &s->mass));
   if (s->splines) PetscCall(AssembleOnSplines(s));

@@ -118,7 +118,7 @@ static PetscErrorCode AddSplines(Coupled *c, PetscReal t)
   CoupledRightHandSide - Computes the right-hand side b at time t
 
     T_i (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
-    dx_i (source - terms of wall velocities in div u)                  in rows of mass
+    -dx_i (terms of wall velocities in div u)                          in rows of mass
 
   and subtracts the terms of given pressures. Collective. T_i and dx_i scale the rows of particle i,
   see saddle.c; v is the advecting velocity of implicit convection.
@@ -141,10 +141,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
   if (sp) PetscCall(AddSplines(c, t));
-  if (c->flow->state->source)
-    PetscCall(SaddleAdd(s, s->dim, c->flow->scene->dx, c->flow->state->source, c->b));
   PetscCall(AddGivenPressure(c, t));
-  PetscCall(SaddleAddTension(c->flow->ops->free, s, c->b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

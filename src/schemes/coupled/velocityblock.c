@@ -82,10 +82,9 @@ static PetscErrorCode FreeVectors(VelocityBlock *v)
 
 /* Computes the sums of the rows of F - T_i shift for each component alone, the largest over the
    components: what walls add to the diagonal. */
-static PetscErrorCode WallDiagonal(const Flow *flow, const Saddle *s, Vec *diagonal)
+static PetscErrorCode WallDiagonal(const Saddle *s, Vec *diagonal)
 {
-  Vec          all, sums, part;
-  PetscScalar *most;
+  Vec all, sums, part;
 
   PetscFunctionBegin;
   PetscCall(VecDuplicate(s->time, diagonal));
@@ -103,10 +102,6 @@ static PetscErrorCode WallDiagonal(const Flow *flow, const Saddle *s, Vec *diago
     PetscCall(VecAXPY(part, -s->step * s->shift, s->time));
     PetscCall(VecPointwiseMax(*diagonal, *diagonal, part));
   }
-  PetscCall(VecGetArray(*diagonal, &most));
-  for (PetscInt i = 0; i < s->n; i++)
-    if (FreeSurfaceHolds(flow->ops->free, i)) most[i] = 0.0;
-  PetscCall(VecRestoreArray(*diagonal, &most));
   PetscCall(VecDestroyAll(&sums, &all, &part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -118,13 +113,13 @@ static PetscErrorCode CreatePairs(const Saddle *s, const Flow *flow, Mat *A)
   Vec              diagonal, row;
 
   PetscFunctionBegin;
-  PetscCall(WallDiagonal(flow, s, &diagonal));
+  PetscCall(WallDiagonal(s, &diagonal));
   PetscCall(VecAXPY(diagonal, s->step * s->shift, s->time));
   PetscCall(VecDuplicate(s->time, &row));
   PetscCall(VecPointwiseDivide(row, s->time, s->length));
   PetscCall(VecPointwiseDivide(row, row, s->length));
   PetscCall(VecScale(row, s->step / PetscSqr(flow->scene->dx) * (p->nu ? 1.0 : flow->scene->nu)));
-  PetscCall(PairLaplacian(flow, row, p->nu, diagonal, NULL, A));
+  PetscCall(PairLaplacian(flow, row, p->nu, diagonal, A));
   PetscCall(VecDestroyAll(&row, &diagonal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -165,36 +160,16 @@ static PetscErrorCode SetUpCycle(const Saddle *s, VelocityBlock *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the matrix of the factors: that of each component, or F with entries of G Z. */
-static PetscErrorCode FactorMatrix(const Saddle *s, PetscBool factors, Mat *F)
-{
-  PetscFunctionBegin;
-  if (!s->component && s->Z && factors) {
-    PetscCall(MatConvert(s->F, MATAIJ, MAT_INITIAL_MATRIX, F));
-    PetscCall(SparseAddProduct(s->G, s->Z, *F));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  *F = s->component ? s->component : s->F;
-  PetscCall(PetscObjectReference((PetscObject)*F));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets up the factors. */
 static PetscErrorCode SetUpFactors(const Saddle *s, VelocityBlock *v)
 {
-  PetscBool jacobi;
-  PC        pc;
-  Mat       F;
+  const Mat F = s->component ? s->component : s->F;
 
   PetscFunctionBegin;
-  PetscCall(KSPGetPC(v->factors, &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCJACOBI, &jacobi));
-  PetscCall(FactorMatrix(s, jacobi ? PETSC_FALSE : PETSC_TRUE, &F));
   PetscCall(KSPReset(v->factors));
   PetscCall(KSPSetOperators(v->factors, F, F));
   PetscCall(KSPSetUp(v->factors));
   PetscCall(KSPSetUpOnBlocks(v->factors));
-  PetscCall(MatDestroy(&F));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -238,17 +213,13 @@ static PetscErrorCode ApplyToComponents(KSP ksp, const VelocityBlock *v, Vec x, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the residual x - (F + G Z) y. */
+/* Computes the residual x - F y. */
 static PetscErrorCode Residual(const VelocityBlock *v, Vec x, Vec y)
 {
   const Saddle *s = v->saddle;
 
   PetscFunctionBegin;
   PetscCall(MatMult(s->F, y, v->residual));
-  if (s->Z) {
-    PetscCall(MatMult(s->Z, y, v->pressure));
-    PetscCall(MatMultAdd(s->G, v->pressure, v->residual, v->residual));
-  }
   PetscCall(VecAYPX(v->residual, -1.0, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,6 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
   for (PetscInt c = 0; c < v->dim; c++)
     PetscCall(VecStrideScatter(v->flow->walls.u[c], c, v->all_walls, INSERT_VALUES));
   PetscCall(MatMult(Viscous(v, 0)->B, v->all_walls, v->boundary));
-  PetscCall(SurfaceStressBoundary(v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +48,7 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 }
 
 /* Computes the viscous term f = nu (A u + B u_wall) at time t, of component c or of all components
-   in a single system, and adds the pressure of free surfaces, if it is part of the term. */
+   in a single system. */
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -61,8 +60,6 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
     if (Viscous(v, 0)->B) PetscCall(VecAXPY(f, 1.0, v->boundary));
   }
   PetscCall(VecScale(f, v->flow->scene->nu));
-  if (v->surface) PetscCall(SurfaceStressAdd(v, 1.0, u, f));
-  if (v->surface && v->surface->boundary) PetscCall(VecAXPY(f, 1.0, v->surface->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,8 +178,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   }
   if (!v->nonlinear && shift == v->shift && visc == v->operator_of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
-  if (v->surface) PetscCall(SurfaceStressSet(v, shift, P));
-  else PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
+  PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
   if (v->convection) {
     PetscCall(FlowGetWork(v->flow, &work));
     PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, work, P));

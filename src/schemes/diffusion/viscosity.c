@@ -60,7 +60,6 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, RegimeWord(regime, REGIME_VISC_PC)));
-  if (v->surface) PetscCall(PCSetType(pc, PCNONE)); /* see surfacestress.c */
   if (flow->ops->forms.visc.row->weak) PetscCall(PCSetType(pc, PCBJACOBI)); /* AMG breaks down */
   if (OperatorsCutFluids(scene, flow->ops)) PetscCall(OptionDefault("visc_", "-sub_pc_type", PCLU));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -115,32 +114,27 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   SNES snes;
 
   PetscFunctionBegin;
-  if (v->nonlinear || v->flow->state->implicit_convection ||
-      (!v->surface && !v->flow->ops->velocity[0].visc.rows))
+  if (v->nonlinear || v->flow->state->implicit_convection || !v->flow->ops->velocity[0].visc.rows)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(GuardOnlyMultiplies(snes, v->surface ? PCNONE : PCJACOBI, &v->guard, &v->shell));
-  if (v->shell) v->guard.Flatten = v->surface ? SurfaceStressFlatten : AffineSystemFlatten;
+  PetscCall(GuardOnlyMultiplies(snes, PCJACOBI, &v->guard, &v->shell));
+  if (v->shell) v->guard.Flatten = AffineSystemFlatten;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme.
-   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
-   Surfaces have a pressure of the velocity unless the viscosity varies. Input: with_surface - the
-   pressure of free surfaces is part of the viscous term, if it depends on the velocity; for schemes
-   whose other forces leave this pressure out. */
-PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc)
+   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step. */
+PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
 {
   Viscosity   *v;
   LinearSolve *solve;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&v));
-  v->dim       = flow->scene->dim;
-  v->systems   = flow->ops->forms.components_coupled ? 1 : v->dim;
-  v->nonlinear = SceneIsNewtonian(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
-  v->flow      = flow;
-  if (with_surface && OperatorsStressSurface(flow->ops)) PetscCall(PetscNew(&v->surface));
+  v->dim         = flow->scene->dim;
+  v->systems     = flow->ops->forms.components_coupled ? 1 : v->dim;
+  v->nonlinear   = SceneIsNewtonian(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
+  v->flow        = flow;
   v->guard.inner = v->nonlinear;
   v->guard.Check = v->nonlinear ? IterationCheck : NULL;
   solve          = &v->guard.solve;
@@ -182,7 +176,6 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscCall(VecDestroyAll(&v->boundary, &v->all, &v->all_force, &v->all_walls));
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
   PetscCall(MatDestroyAll(&v->newton, &v->J, &v->convection));
-  PetscCall(SurfaceStressFree(v->surface));
   v->assemblies = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -195,7 +188,6 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   for (PetscInt c = 0; c < (*visc)->systems; c++)
     PetscCall(SolverViewShow((PetscObject)(*visc)->ts[c], &(*visc)->guard.ts_view));
   PetscCall(ViscosityFree(*visc));
-  PetscCall(PetscFree((*visc)->surface));
   PetscCall(GuardDetach(&(*visc)->guard));
   for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
   PetscCall(PetscFree(*visc));
@@ -250,8 +242,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   v->assemblies = ops->assemblies;
   if (v->shell && v->J) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
-  if (v->surface) PetscCall(SurfaceStressJacobian(v, &v->J));
-  else PetscCall(AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : MATSAME, &v->J));
+  PetscCall(AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : MATSAME, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   if (v->nonlinear) PetscCall(ViscosityCreateNewton(v));
@@ -301,7 +292,6 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   v->wall_t                 = NAN;
   v->guard.solve.iterations = 0;
   PetscCall(ViscosityRenumber(v));
-  PetscCall(SurfaceStressAssemble(v));
   PetscCall(ViscosityUpdateJacobian(v));
   if (v->convection) v->shift = NAN; /* the advecting velocity is new */
   PetscCall(ClockWhere(flow->clock, v->guard.where));

@@ -8,14 +8,6 @@
 extern const Table       ViscousIntegratorTable;
 extern const OptionTable ViscosityOptions;
 
-/* The pressure of free surfaces as a part of the viscous term, see surfacestress.c. */
-typedef struct {
-  Mat      Z;          /* pressure of the velocity, on the surface only [Pa s/m] */
-  Mat      G;          /* acceleration by this pressure, -grad/rho [1/(kg/m^2)] */
-  Vec      boundary;   /* wall part of -G Z u/rho; NULL without walls [m/s^2] */
-  PetscInt assemblies; /* stamp of the operators in the matrices */
-} SurfaceStress;
-
 /* Callbacks of the terms of the viscous equation. */
 typedef enum {
   TIME_IMPLICIT, /* IFunction: viscosity; convection in the force, or implicit */
@@ -44,7 +36,7 @@ struct Viscosity {
   TS                          ts[ISPH_MAX_DIM]; /* they share the KSP of the first */
   Component                   component[ISPH_MAX_DIM];
   Guard                       guard;         /* its KSP is NULL for explicit integrators */
-  Mat                         J;             /* shift I - nu A, with the term of `surface` */
+  Mat                         J;             /* shift I - nu A */
   PetscBool                   shell;         /* J only has products and a diagonal */
   PetscReal                   shift;         /* in J; NaN: J is out of date [1/s] */
   Mat                         newton;        /* Jacobian of a rheology, J its preconditioner */
@@ -52,11 +44,10 @@ struct Viscosity {
   const AffineOperator       *operator_of_J; /* the A in J */
   PetscInt                    assemblies;    /* stamp of the operators in J */
   PetscInt                    epoch;         /* epoch of the vectors below */
-  SurfaceStress *surface;  /* NULL: the pressure of a free surface is not part of the term */
-  Vec            boundary; /* B u_wall at wall_t, of all components in a single system */
-  PetscReal      wall_t;
-  Vec            all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
-  Vec            part[ISPH_MAX_DIM];        /* their components; work vectors */
+  Vec       boundary; /* B u_wall at wall_t, of all components in a single system */
+  PetscReal wall_t;
+  Vec       all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
+  Vec       part[ISPH_MAX_DIM];        /* their components; work vectors */
 
   StressTangent *tangent;             /* of the present solve, of a rheology */
   PetscReal      residual, tolerance; /* of the last iteration for a rheology [m/s^2] */
@@ -66,20 +57,11 @@ struct Viscosity {
   const Vec *force, *advecting;
 };
 
-PetscErrorCode ViscosityCreate(Flow *flow, PetscBool with_surface, Viscosity **visc);
+PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc);
 PetscErrorCode ViscosityDestroy(Viscosity **visc);
 PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *visc);
 PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
-
-/* surfacestress.c */
-PetscErrorCode SurfaceStressAssemble(const Viscosity *visc);
-PetscErrorCode SurfaceStressBoundary(const Viscosity *visc);
-PetscErrorCode SurfaceStressAdd(const Viscosity *visc, PetscReal scale, Vec u, Vec f);
-PetscErrorCode SurfaceStressFlatten(Mat J, Mat *flat);
-PetscErrorCode SurfaceStressJacobian(Viscosity *visc, Mat *J);
-PetscErrorCode SurfaceStressSet(const Viscosity *visc, PetscReal shift, Mat J);
-PetscErrorCode SurfaceStressFree(SurfaceStress *surface);
 
 /* iteration.c */
 PetscErrorCode IterationChoose(Viscosity *visc, SNES snes);

@@ -1,5 +1,5 @@
 /* The projection with the pressure on the particles: its equation, gradient and update. Boundaries
-   have data of the pressure (wallgradient.c), and so have free surfaces (freepressure.c). */
+   have data of the pressure (wallgradient.c). */
 #include "projection.h"
 
 /* Creates the increment of the pressure on particles for the present numbering. */
@@ -52,7 +52,6 @@ static PetscErrorCode SetSource(Flow *flow, Vec source)
     PetscCall(VecAXPY(source, -1.0, work));
     PetscCall(FlowRestoreWork(flow, &work));
   }
-  PetscCall(FreePressureIncrement(flow, source));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,37 +116,10 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
   PetscFunctionBegin;
   PetscCall(VecGetArray(residual, &r));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (FreeSurfaceHolds(flow->ops->free, i)) r[i] = 0.0; /* the surface gives the pressure */
     r[i] *=
         pr->filter * PetscMax(0.1, 1.0 / (1.0 + 8.0 * nu * flow->clock->dt / PetscSqr(p->dx[i])));
   }
   PetscCall(VecRestoreArray(residual, &r));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds c div u* to the pressure, where no free surface is within the support. The term is exact if
-   the viscous term of grad phi is that of its dilatation, grad (2 nu lap phi). Beside a free
-   surface the rows have its condition of zero stress, and weaker forces on a particle that stands
-   out, but the same div u*: the pressure then gains more than the viscosity takes. See theory.md,
-   (surface:stable). */
-static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
-{
-  const FlowState   *s   = flow->state;
-  const Operators   *ops = flow->ops;
-  const PetscScalar *divergence;
-  PetscScalar       *p;
-
-  PetscFunctionBegin;
-  if (!ops->free) {
-    PetscCall(VecAXPY(s->p, c, s->divergence));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(VecGetArrayRead(s->divergence, &divergence));
-  PetscCall(VecGetArray(s->p, &p));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (!OperatorsBesideSurface(ops, i)) p[i] += c * divergence[i];
-  PetscCall(VecRestoreArray(s->p, &p));
-  PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,7 +139,7 @@ static PetscErrorCode UpdateOnParticles(Flow *flow, PetscReal gain)
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
     const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
 
-    PetscCall(AddDilatation(flow, -gain * dilatation * scene->rho * scene->nu_low));
+    PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
   }
   if (pr->filter > 0.0) {
     PetscCall(FlowGetWork(flow, &residual));
@@ -219,16 +191,6 @@ static PetscErrorCode FirstOnParticles(Flow *flow, const Vec force[], Vec b)
     PetscCall(VecAXPY(b, -1.0, work));
   }
   PetscCall(FlowRestoreWork(flow, &work));
-  PetscCall(FreePressureFirst(flow, b));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the data of boundaries and of free surfaces for a step. */
-static PetscErrorCode StartOnParticles(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(WallGradientPredict(flow));
-  PetscCall(FreePressureStart(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,8 +201,7 @@ static Vec UnknownsOnParticles(const Flow *flow)
 
 const PressureSpace PressureOnParticles = {
     .Begin          = WallGradientBegin,
-    .StartStep      = StartOnParticles,
-    .FollowForce    = FreePressureFollow,
+    .StartStep      = WallGradientPredict,
     .Unknowns       = UnknownsOnParticles,
     .Solve          = SolveOnParticles,
     .Accelerate     = AccelerateOnParticles,

@@ -11,7 +11,6 @@
   step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
-#include "schemes/surface/surface.h"
 #include "schemes/scalars/scalars.h"
 #include "schemes/stages/stages.h"
 
@@ -20,8 +19,7 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
   Projection *pr = (Projection *)flow->scheme->data;
 
   PetscFunctionBegin;
-  if (SceneHas(flow->scene, PHYSICS_VISCOSITY))
-    PetscCall(ViscosityCreate(flow, pr->row && pr->row->incremental, &pr->visc));
+  if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(flow, &pr->visc));
   if (pr->spacing > 0.0) PetscCall(SplinesCreate(flow, pr->spacing, &pr->splines));
   if (pr->row) pr->space = pr->splines ? &PressureOnSplines : &PressureOnParticles;
   if (pr->row) PetscCall(PressureCreate(flow, &pr->ppe));
@@ -65,14 +63,6 @@ static PetscErrorCode ProjectionAssemble(Flow *flow)
   if (pr->splines) PetscCall(SplinesAssemble(flow, pr->splines));
   if (pr->splines) PetscCall(SplinesMix(flow, pr->splines));
   if (pr->splines) PetscCall(SplinesCutAssemble(flow, pr->splines));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ProjectionLimit(const Flow *flow, StepLimit *limit)
-{
-  PetscFunctionBegin;
-  PetscCall(FlowLimit(flow, limit));
-  StepLimitLower(limit, ProjectionFreeLimit(flow->scene), "viscosity at the free surface");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,12 +118,12 @@ static const Stage project = {.name    = "project",
                               .solves  = PETSC_TRUE};
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageBodies,  &StageMove,   &StagePass,  &StageRebuild,
-    &StageVolume,   &StageScalars, &StageFilter, &predict,    &project,
-    &StageCollide,  &StageMean,    &StageCheck,  &StageError, NULL,
+    &StageMomentum, &StageBodies, &StageMove, &StagePass, &StageRebuild,
+    &StageScalars,  &StageFilter, &predict,   &project,   &StageMean,
+    &StageCheck,    &StageError,  NULL,
 };
 
-static const Judge *const judges[] = {&JudgeBodies, &JudgeBurst, &JudgeFailure, NULL};
+static const Judge *const judges[] = {&JudgeBodies, &JudgeFailure, NULL};
 
 const SchemeRow SchemeProjection = {
     .name     = "projection",
@@ -145,7 +135,7 @@ const SchemeRow SchemeProjection = {
     .Assemble = ProjectionAssemble,
     .Begin    = ProjectionBegin,
     .Start    = ProjectionStart,
-    .Limit    = ProjectionLimit,
+    .Limit    = FlowLimit,
     .View     = ProjectionView,
     .Destroy  = ProjectionDestroy,
     .stages   = stages,

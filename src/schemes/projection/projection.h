@@ -77,12 +77,6 @@ PetscErrorCode WallGradientBegin(Flow *flow);
 PetscErrorCode WallGradientPredict(Flow *flow);
 PetscErrorCode WallGradientCorrect(Flow *flow, PetscReal gain);
 
-/* freepressure.c */
-PetscErrorCode FreePressureFirst(const Flow *flow, Vec b);
-PetscErrorCode FreePressureStart(Flow *flow);
-PetscErrorCode FreePressureFollow(Flow *flow);
-PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
-
 /* pressuresolver.c */
 typedef enum { PRESSURE_AMG, PRESSURE_GAMG, PRESSURE_LU, PRESSURE_TENSOR } PressureSolver;
 

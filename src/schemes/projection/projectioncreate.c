@@ -1,7 +1,6 @@
 /* The options of the projection scheme: the update of the pressure, its filter, and the convection
    of fixed particles. Those of the points of the pressure are in pressurepoints.c. */
 #include "projection.h"
-#include "schemes/surface/surface.h"
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",
@@ -91,20 +90,10 @@ static PetscErrorCode DefaultFilter(const Flow *flow, PetscReal *strength)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if moving particles beside a free surface have rows of fits, see FlowMove(). */
-static PetscBool SurfaceNeedsFilter(const Scene *scene)
-{
-  return SceneHasFreeSurface(scene) && SceneMoves(scene) && SceneHas(scene, PHYSICS_VISCOSITY) &&
-         !SceneViscosityVaries(scene);
-}
-
 /* Reads the options of a pressure on the particles. */
 static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 {
-  PetscBool given;
-
   PetscFunctionBegin;
-  PetscCall(VolumesCreate(flow));
   PetscCall(DefaultFilter(flow, &pr->filter));
   PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
   UserCheck(pr->alpha <= pr->row->alpha_max,
@@ -112,9 +101,6 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
             pr->row->name, (double)pr->row->alpha_max);
   PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
   if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
-  PetscCall(OptionGiven("-velocity_filter", &given));
-  if (SurfaceNeedsFilter(flow->scene) && (!given || flow->state->velocity_filter > 0.0))
-    flow->scheme->needs |= NEED_FILTER_U;
   if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -153,11 +139,9 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   UserCheck(!flow->clock->steady_solve,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
-  UserCheck(flow->clock->dt_given <= 5.0 * ProjectionFreeLimit(scene),
-            "-dt %.6g: with a free surface and -scheme %s at most %.3g s, 0.5 dx^2/nu; use -scheme "
-            "coupled for longer steps",
-            (double)flow->clock->dt_given, flow->scheme->row->name,
-            (double)(5.0 * ProjectionFreeLimit(scene)));
+  UserCheck(!SceneHasFreeSurface(scene),
+            "-scheme %s: it has no condition on a free surface; use -scheme coupled",
+            flow->scheme->row->name);
   PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
@@ -165,9 +149,6 @@ PetscErrorCode ProjectionCreate(Flow *flow)
     UserCheck(points->coarse || !SceneMovesGraded(scene),
               "-pressure_points same: flows of graded particles that move are lost with it; use "
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
-    UserCheck(!points->coarse || !SceneHasFreeSurface(scene),
-              "-scheme projection: -visc_laplacian weak_stress with a free surface needs -scheme "
-              "coupled");
     if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &pr->spacing));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

@@ -27,15 +27,14 @@ static PetscBool HasBounds(const Scalar *s)
   return s->given->source.n ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Widens the range of start and boundaries by values of own fluid, or of walls, of particles on a
-   free surface, and outside. */
+/* Widens the range of start and boundaries by values of own fluid, or of walls, and outside a free
+   surface, whose facets may be near any particle. */
 static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
 {
-  const Particles   *p        = flow->particles;
-  const FreeSurface *free     = flow->ops->free;
-  const PetscBool    cut      = flow->ops->cut_surface; /* its facets may be near any particle */
-  const PetscInt     first    = fluid || free || cut ? 0 : p->n_fluid;
-  PetscReal          bound[2] = {-s->kept[KEPT_LOW], s->kept[KEPT_HIGH]};
+  const Particles *p        = flow->particles;
+  const PetscBool  cut      = flow->ops->cut_surface;
+  const PetscInt   first    = fluid || cut ? 0 : p->n_fluid;
+  PetscReal        bound[2] = {-s->kept[KEPT_LOW], s->kept[KEPT_HIGH]};
 
   PetscFunctionBegin;
   for (PetscInt i = first; i < (fluid ? p->n_fluid : ParticlesOwn(p)); i++) {
@@ -45,8 +44,7 @@ static PetscErrorCode Widen(const Flow *flow, PetscBool fluid, Scalar *s)
     PetscReal             x[ISPH_MAX_DIM] = {0.0};
 
     if (wall) law = s->law[(PetscInt)p->side[i]];
-    else if (!fluid && (cut || FreeSurfaceHolds(free, i)))
-      law = s->law[SceneBoundaries(flow->scene)];
+    else if (!fluid && cut) law = s->law[SceneBoundaries(flow->scene)];
     if (!fluid && (!law || law->law == SCALAR_FLUX)) continue;
     if (wall) ParticlesWallPoint(p, i, x);
     for (PetscInt a = 0; a < p->dim && !wall; a++) x[a] = p->x[a][i];

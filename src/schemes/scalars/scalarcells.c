@@ -72,13 +72,12 @@ static PetscErrorCode SetDiffusivities(Flow *flow, PetscReal t, Scalar *s)
 static PetscErrorCode FindCells(Flow *flow, Scalar *s)
 {
   const Particles     *p        = flow->particles;
-  const StrainQuantity quantity = {
-      .sets = 1, .gives = s->gives, .free = flow->ops->free, .cut = flow->ops->cut_surface};
-  PetscReal edge = CELL_EDGE;
+  const StrainQuantity quantity = {.sets = 1, .gives = s->gives, .cut = flow->ops->cut_surface};
+  PetscReal            edge     = CELL_EDGE;
 
   PetscFunctionBegin;
   PetscCall(NeighborsSearch(p, flow->neighbors)); /* fixed particles keep no lists of neighbours */
-  if (SceneMoves(flow->scene)) edge = quantity.free || quantity.cut ? EDGE_FREE : EDGE;
+  if (SceneMoves(flow->scene)) edge = quantity.cut ? EDGE_FREE : EDGE;
   PetscCall(StrainAssemble(flow->scene, p, flow->neighbors, edge, flow->ops->forms.degree,
                            &quantity, &s->cells));
   if (!SceneMoves(flow->scene) && !SceneHasFreeSurface(flow->scene))
@@ -88,25 +87,6 @@ static PetscErrorCode FindCells(Flow *flow, Scalar *s)
   PetscCall(PetscRealloc(sizeof(*s->part) * (size_t)(s->cells->border.n + 1), &s->part));
   s->epoch = p->epoch;
   s->moved = p->moved;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ScalarFindVolumes - Sets the volumes of particles below a free surface to those of their weights
-   in the cells at the start, and the amounts; collective */
-PetscErrorCode ScalarFindVolumes(Flow *flow)
-{
-  Scalars *all = flow->state->scalars;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < all->n; k++) {
-    Scalar   *s = &all->scalar[k];
-    PetscReal amount[2];
-
-    if (k == 0) PetscCall(FindCells(flow, s));
-    if (k == 0) PetscCall(PetscArraycpy(all->volume, s->cells->mass[0], flow->particles->n_fluid));
-    PetscCall(ScalarAmount(flow, s->c, amount));
-    s->kept[KEPT_AMOUNT] = s->kept[KEPT_BEFORE] = amount[0];
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

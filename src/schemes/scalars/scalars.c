@@ -128,10 +128,6 @@ PetscErrorCode ScalarsRegister(Flow *flow)
 
   PetscFunctionBegin;
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
-  if (flow->ops->free) {
-    PetscCall(ParticlesRegister(p, "scalar_volume", 1, HALO_NONE, ENTRY_NEAREST, &all->volume));
-    PetscCall(PetscArraycpy(all->volume, p->volume, p->n_fluid));
-  }
   for (PetscInt k = 0; k < all->n; k++) {
     Scalar *s = &all->scalar[k];
     char   *name;
@@ -209,7 +205,6 @@ PetscErrorCode ScalarsBegin(Flow *flow)
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
   all->next_id = flow->particles->next_id;
   PetscCall(FindPlaces(flow));
-  if (all->volume && flow->clock->step == 0) PetscCall(ScalarFindVolumes(flow));
   for (PetscInt k = 0; k < all->n; k++) {
     PetscCall(ScalarSetWalls(flow, flow->clock->t, &all->scalar[k]));
     PetscCall(ScalarValues(flow, all->scalar[k].c, 1.0, &all->scalar[k]));
@@ -234,7 +229,6 @@ static void EnterParticles(const Flow *flow)
     PetscInt  side;
 
     if (p->id[i] < all->next_id) continue;
-    if (all->volume) all->volume[i] = p->volume[i];
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     (void)SceneDistanceTo(flow->scene, BOUNDARY_INFLOW | BOUNDARY_OUTFLOW, x, &side);
     for (PetscInt k = 0; side >= 0 && k < all->n; k++) {

@@ -63,26 +63,11 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
   return (scene->hi[a] - scene->lo[a]) / scene->dx / spacing;
 }
 
-/* Returns the reason why a scene has no coarse points; NULL if there is none. Strain cells end at
-   the free surface, and the splines with them. */
-static const char *CoarseFault(const Scene *scene)
-{
-  const char *form;
-  PetscBool   weak;
-
-  PetscCallAbort(PETSC_COMM_SELF, OptionTyped("-visc_laplacian", &form, &weak));
-  if (weak) PetscCallAbort(PETSC_COMM_SELF, PetscStrcasecmp(form, "weak_stress", &weak));
-  if (SceneHasFreeSurface(scene) && !weak)
-    return "its lattice does not follow a free surface; use same";
-  return NULL;
-}
-
 /* PressurePointsChoose - Reads -pressure_points, and sets the facts that decide on its default;
    collective. Errors: refuses coarse points where they have no conditions. */
 PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow **chosen)
 {
-  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian",
-                                             "-coupled_gradient"};
+  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
   Regime                  *regime         = scene->regime;
   PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE, given;
   PetscInt                 degree;
@@ -95,18 +80,13 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
       OptionGiven(options[POINTS].name, &given)); /* then these are read only if it uses them */
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !given && !asks; k++)
     PetscCall(OptionGiven(of_particles[k], &asks));
-  RegimeSetFact(regime, FACT_UNFIT, CoarseFault(scene) ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(regime, FACT_NARROW, narrow);
   RegimeSetFact(regime, FACT_ASKED, asks);
   PetscCall(OptionGetRow(&options[POINTS], RegimeWord(regime, REGIME_POINTS), chosen));
   RegimeSetFact(regime, FACT_COARSE, (*chosen)->coarse);
-  UserCheck(!(*chosen)->coarse || !CoarseFault(scene), "-pressure_points coarse: %s",
-            CoarseFault(scene));
   UserCheck((*chosen)->coarse || !SceneMixes(scene),
-            "-pressure_points same: it has one density, and no tension of interfaces; %s",
-            SceneHasFreeSurface(scene)
-                ? "below a free surface use -visc_laplacian weak_stress and -scheme coupled"
-                : "use coarse, with a box at least 6 dx wide");
+            "-pressure_points same: it has one density, and no tension of interfaces; use coarse, "
+            "with a box at least 6 dx wide");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,8 +3,6 @@
    openings in a closed box, costs it nothing. */
 #include "stages.h"
 
-#include "schemes/surface/surface.h"
-
 static PetscErrorCode UpdateNeighbors(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
@@ -90,16 +88,6 @@ static PetscBool HasOpenings(const Flow *flow)
   return flow->state->openings.open;
 }
 
-static PetscBool HasMovingSurface(const Flow *flow)
-{
-  return flow->ops->free && SceneMoves(flow->scene);
-}
-
-static PetscBool OwnsVolumes(const Flow *flow)
-{
-  return flow->state->owned_volume ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscBool KeepsMomentum(const Flow *flow)
 {
   return SceneKeepsMomentum(flow->scene);
@@ -162,16 +150,6 @@ const Stage StageRebuild = {.name    = "rebuild",
                             .Applies = Moves,
                             .Do      = FollowAndRebuild};
 
-const Stage StageVolume = {.name    = "volume",
-                           .brief   = "divergence that keeps the volume inside free surfaces",
-                           .Applies = OwnsVolumes,
-                           .Do      = VolumesControl};
-
-const Stage StageCollide = {.name    = "collide",
-                            .brief   = "collisions of fragments of a free surface",
-                            .Applies = HasMovingSurface,
-                            .Do      = FlowCollide};
-
 const Stage StageMean = {.name    = "mean",
                          .brief   = "restored mean velocity",
                          .Applies = KeepsMomentum,
@@ -185,7 +163,7 @@ const Stage StageError = {.name    = "error",
                           .Applies = EstimatesError,
                           .Do      = TimeErrorCheck};
 
-static const Observer *const observers[] = {&ObserverFlight, &ObserverAcceleration};
+static const Observer *const observers[] = {&ObserverFlight, &ObserverAcceleration, &ObserverJump};
 
 static PetscErrorCode ListObservers(Flow *flow)
 {

@@ -4,8 +4,11 @@
 
 #include "isph/motion.h"
 
-extern const Stage StageMomentum, StageBodies, StageMove, StagePass, StageRebuild, StageVolume,
-    StageCollide, StageFilter, StageMean, StageCheck, StageError;
+extern const Stage StageMomentum, StageBodies, StageMove, StagePass, StageRebuild, StageFilter,
+    StageMean, StageCheck, StageError;
+
+extern const Judge    JudgeJump;
+extern const Observer ObserverJump;
 
 PetscErrorCode FlowFollow(Flow *flow);
 PetscErrorCode FlowRebuildNeighbors(Flow *flow);

@@ -3,7 +3,8 @@
    the density the same gradient, so that momentum and energy stay. */
 #include "wcsph.h"
 
-#define WEAK 10.0 /* largest diagonal entry of an inverse moment matrix [-] */
+#define WEAK 10.0  /* largest diagonal entry of an inverse moment matrix [-] */
+#define FULL 0.999 /* kernel sum of a support that no surface cuts, over that of a lattice [-] */
 
 /* Returns the composed form of the run; NULL: viscosity has one pass. */
 const ComposedForm *WcsphComposed(const Wcsph *w)
@@ -13,16 +14,31 @@ const ComposedForm *WcsphComposed(const Wcsph *w)
   return row ? row->composed : NULL;
 }
 
-/* Returns true if a wall, or a particle that was on a free surface at the start, is in the
-   support. */
+/* Notes if a free surface cuts the support. */
+static PetscErrorCode SurfaceRow(Stencil *st, void *ctx)
+{
+  const Wcsph *w   = (const Wcsph *)ctx;
+  PetscReal    sum = st->volume * st->self[0];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++) sum += st->V[k] * st->W[k];
+  w->surface[st->i] = sum < FULL * w->lattice ? 1.0 : 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WcsphFindSurface - Finds the particles whose support a free surface cuts; collective */
+PetscErrorCode WcsphFindSurface(Flow *flow, Wcsph *w)
+{
+  PetscFunctionBegin;
+  PetscCall(
+      OperatorsStream(flow->scene, flow->particles, flow->neighbors, flow->ops, SurfaceRow, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if a wall is in the support, or if a free surface cut it at the start. */
 static PetscBool IsExterior(const Wcsph *w, const Stencil *st)
 {
-  if (st->n_wall) return PETSC_TRUE;
-  if (!w->surface) return PETSC_FALSE;
-  if (w->surface[st->i] > 0.0) return PETSC_TRUE;
-  for (PetscInt k = 0; k < st->n; k++)
-    if (w->surface[st->j[k]] > 0.0) return PETSC_TRUE;
-  return PETSC_FALSE;
+  return st->n_wall || (w->surface && w->surface[st->i] > 0.0) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Computes the inverse of M = sum_k V_k (grad_i W) X^T, which is I inside the fluid and about I/2

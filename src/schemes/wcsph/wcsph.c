@@ -41,8 +41,8 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Registers density and energy, and sets them from the pressure at the start; and the particles on
-   free surfaces at the start, if the viscous form has another gradient beside them. */
+/* Registers density and energy, and sets them from the pressure at the start; and the particles
+   beside free surfaces at the start, if the viscous form has another gradient there. */
 static PetscErrorCode WcsphRegister(Flow *flow)
 {
   Particles *p     = flow->particles;
@@ -57,7 +57,7 @@ static PetscErrorCode WcsphRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
   if (WcsphComposed(w) && WcsphComposed(w)->gradient == GRADIENT_COUPLED &&
       SceneHasFreeSurface(flow->scene))
-    PetscCall(ParticlesRegister(p, "surface_start", 1, HALO_EPOCH, ENTRY_ZERO, &w->surface));
+    PetscCall(ParticlesRegister(p, "surface_start", 1, HALO_NONE, ENTRY_ZERO, &w->surface));
   if (flow->ops->forms.wall && flow->ops->forms.wall->dynamic)
     PetscCall(ParticlesRegister(p, "wall_start", 1, HALO_NONE, ENTRY_ZERO, &w->wall_start));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -100,9 +100,7 @@ static PetscErrorCode WcsphBegin(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
-  for (PetscInt i = 0; w->surface && flow->clock->step == 0 && i < flow->particles->n_fluid; i++)
-    w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
-  if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
+  if (w->surface && flow->clock->step == 0) PetscCall(WcsphFindSurface(flow, w));
   PetscCall(WcsphReserve(flow, w));
   if (w->wall_start && flow->clock->step == 0) PetscCall(WallStart(w));
   PetscCall(WcsphSetPressure(flow));

@@ -96,7 +96,7 @@ struct Wcsph {
 
   PetscReal *rho, *e;    /* fields of the particles; e NULL: no energy */
   PetscReal *wall_start; /* field of dynamic walls: see WallDensities() [kg/m^3]; NULL: none */
-  PetscReal *surface;    /* field: 1 on a free surface at the start; NULL: not needed */
+  PetscReal *surface;    /* field: 1 beside a free surface at the start; NULL: not needed */
 
   Guard      guard; /* names the TS in messages; it has no KSP */
   TS         ts;
@@ -141,6 +141,7 @@ PetscErrorCode WcsphIntegrate(Flow *flow);
 PetscErrorCode WcsphFree(Wcsph *w);
 
 /* rates.c */
+PetscErrorCode WcsphFindSurface(Flow *flow, Wcsph *w);
 PetscReal      WcsphLatticeSum(const Flow *flow);
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);

@@ -6,7 +6,7 @@
    order 1. In closed flows walls change the velocity of their own layer only, and no place depends
    on it; their formulas stay. See theory.md, (surface:jump), (surface:excess), (surface:blend) and
    (surface:measure). */
-#include "surface.h"
+#include "stages.h"
 
 #define SMOOTH  0.06 /* largest J of a step of full order [-] */
 #define SUDDEN  0.15 /* J from which on a step is of order 1 [-] */
@@ -65,7 +65,7 @@ static PetscErrorCode RelativeJump(Flow *flow, PetscReal *jump)
 
 /*
   Measures if the velocity jumps in the step that was solved, and sets the share of order 1 in the
-  formulas of the step and of the next path
+  formulas of the step, if it is solved again, and of the next path
 
     jump = min(1, max(0, (J - SMOOTH)/(SUDDEN - SMOOTH)))
 
@@ -79,16 +79,25 @@ static PetscErrorCode DecideJump(Flow *flow, Trial *trial, PetscBool *again)
   PetscFunctionBegin;
   if (trial->times > 0 || ClockRatio(clock) == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(RelativeJump(flow, &jump));
-  jump        = PetscMin(1.0, PetscMax(0.0, (jump - SMOOTH) / (SUDDEN - SMOOTH)));
-  *again      = jump > clock->jump + RISE;
-  clock->jump = *again ? jump : PetscMin(jump, clock->jump);
+  jump             = PetscMin(1.0, PetscMax(0.0, (jump - SMOOTH) / (SUDDEN - SMOOTH)));
+  *again           = jump > clock->jump + RISE;
+  clock->jump_next = jump;
+  if (*again) clock->jump = jump;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lowers the share for the next path, after others have used that of the step. */
+static PetscErrorCode LowerShare(Flow *flow)
+{
+  PetscFunctionBegin;
+  flow->clock->jump = PetscMin(flow->clock->jump_next, flow->clock->jump);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns true for the flows that have a share, moving particles with a free surface. */
 static PetscBool MayJump(const Flow *flow)
 {
-  return flow->ops->free && SceneMoves(flow->scene);
+  return flow->ops->cut_surface && SceneMoves(flow->scene);
 }
 
 const Judge JudgeJump = {
@@ -98,3 +107,6 @@ const Judge JudgeJump = {
     .again   = AGAIN_LAST,
     .Decide  = DecideJump,
 };
+
+/* Comes after the observers that read the share of the step. */
+const Observer ObserverJump = {.Applies = MayJump, .End = LowerShare};
