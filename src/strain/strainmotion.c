@@ -82,16 +82,27 @@ static PetscInt NearestWall(const Particles *p, const PetscBool dry[], const Pet
 
 /* Computes the direction in which a corner moves by a unit of the way of the level along its
    normal: along a wall that it is on, further by 1/sin of the angle between them, else along the
-   normal. */
-static void WayOf(const Scene *scene, const PetscReal x[], const PetscReal normal[],
+   normal. Input: side - the body that it is on, or another number. */
+static void WayOf(const Scene *scene, PetscInt side, const PetscReal x[], const PetscReal normal[],
                   PetscReal way[])
 {
-  PetscReal along = 0.0;
+  PetscReal wall[ISPH_MAX_DIM] = {0.0}, off = 0.0, along = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscBool on = StrainOnSide(scene, 2 * a, x) || StrainOnSide(scene, 2 * a + 1, x);
 
     way[a] = on ? 0.0 : normal[a];
+  }
+  if (side >= 2 * scene->dim) {
+    PetscReal y[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < scene->dim; a++) y[a] = x[a];
+    SceneIntoBox(scene, y);
+    (void)BodyDistance(scene, BoundaryBody(scene, side), y, wall);
+    for (PetscInt a = 0; a < scene->dim; a++) off += way[a] * wall[a];
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    way[a] -= off * wall[a];
     along += PetscSqr(way[a]);
   }
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -135,7 +146,7 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
       normal[a] /= -size;
       rest[a] = normal[a];
     }
-    WayOf(scene, x, normal, way);
+    WayOf(scene, points->side[s->first + v], x, normal, way);
     wall = NearestWall(p, dry, x, n, list);
     for (PetscInt q = 0; q <= n; q++) {
       const PetscInt   j  = q < n ? list[q] : wall;
