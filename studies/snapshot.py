@@ -6,8 +6,6 @@ import h5py
 import numpy as np
 from matplotlib import patches, tri
 
-HOLE, BUBBLE = 1.0, 2.0  # radius of the least empty circle that is no fluid, at a surface and inside [local spacing]
-
 
 class Body:
     """A body of the plane, or the section of a body in space across z."""
@@ -149,38 +147,43 @@ class Snapshot:
         return np.min([nearest, *(body.distance(x)[0] for body in self.bodies)], axis=0)
 
     def surface(self):
-        """Returns a function that tells which points are fluid, with free surfaces through the outermost particles.
+        """Returns a function that tells which points are fluid: where the concentration of particles is above 1/2.
 
-        Triangles of Delaunay with an empty circle below HOLE are fluid, and so are those that they enclose, where particles
-        are stretched, with circles below BUBBLE. They are alpha shapes: H. Edelsbrunner,
-        D. G. Kirkpatrick, R. Seidel, IEEE Trans. Inf. Theory 29 (1983) 551-559. Images of particles beyond walls and
-        periodic sides continue the fluid to them. A particle in no triangle is a disc of its volume."""
+        C(x) = sum_j V_j W(|x - x_j|), wendland_c2 of radius 3 dx. Images of particles beyond walls and periodic sides continue the fluid to
+        them."""
+        reach = 3 * self.size.max()
         x, size = self.x, self.size
         for axis, kind in enumerate(self.kinds[::2]):
             period = self.hi[axis] - self.lo[axis]
             for end, sign in ((self.lo, 1), (self.hi, -1)):
-                near = (kind == "periodic") & (abs(self.x[:, axis] - end[axis]) < 2 * self.dx)
+                near = (kind == "periodic") & (abs(self.x[:, axis] - end[axis]) < reach)
                 x = np.vstack([x, self.x[near] + sign * period * np.eye(2)[axis]])
                 size = np.append(size, self.size[near])
         for wall in self.walls():
             distance, nearest = wall(x)
-            near = (distance < 1.5 * size) & (distance > 0.05 * size)
-            image = 2 * nearest[near] - x[near] + ends(x, distance, size, near, nearest, self.room)
+            near = (distance < reach) & (distance > 0)
+            image = 2 * nearest[near] - x[near]
             solid = self.room(image) < 0
             x, size = np.vstack([x, image[solid]]), np.append(size, size[near][solid])
 
-        triangles = tri.Triangulation(x[:, 0], x[:, 1])
-        corner = triangles.triangles
-        radius = circumradius(x[corner]) / size[corner].max(axis=1)
-        radius[(self.room(x[corner].mean(axis=1)) < 0) & (radius < BUBBLE)] = 0  # gaps are not reached through walls
-        triangles.set_mask(outside(triangles, radius))
-        find = triangles.get_trifinder()
-        single = np.setdiff1d(np.arange(len(x)), triangles.get_masked_triangles())
-
         def inside(points):
-            fluid = find(*points.T) >= 0
-            for k in single:
-                fluid |= ((points - x[k]) ** 2).sum(axis=1) < size[k] ** 2 / np.pi
+            low = points.min(axis=0)
+            width = int((points[:, 0].max() - low[0]) / reach) + 1
+            bins = ((points - low) // reach).astype(int)
+            key = bins[:, 1] * width + bins[:, 0]
+            order = np.argsort(key, kind="stable")
+            key, concentration = key[order], np.zeros(len(points))
+            for place, own in zip(x, size):
+                column, row = ((place - low) // reach).astype(int)
+                for k in range(row - 1, row + 2):
+                    first, last = max(column - 1, 0), min(column + 1, width - 1)
+                    if first > last:
+                        continue
+                    a, b = np.searchsorted(key, [k * width + first, k * width + last + 1])
+                    q = np.linalg.norm(points[order[a:b]] - place, axis=1) / (3 * own)
+                    concentration[a:b] += np.where(q < 1, 7 / np.pi / 9 * (1 - np.minimum(q, 1))**4 * (1 + 4 * q), 0)
+            fluid = np.zeros(len(points), bool)
+            fluid[order] = concentration > 0.5
             return fluid
         return inside
 
@@ -239,47 +242,6 @@ def sections(shape, numbers, ends, z):
     if shape in ("ellipsoid", "capsule", "cone", "compound", "file"):
         return []  # of space, and drawn by their wall particles alone
     return [(shape, numbers)] if ends[0] <= z <= ends[1] else []
-
-
-def ends(x, distance, size, near, nearest, room):
-    """Returns the shifts of the images of particles `near` a wall: those at an end of the wetted wall continue the slope
-    of the free surface above them, so that it meets the wall where the line through two particles does. At an end no
-    particle and no other wall is on one side of the particle."""
-    shift = np.zeros((near.sum(), 2))
-    for k, i in enumerate(np.flatnonzero(near)):
-        normal = (x[i] - nearest[i]) / distance[i]
-        tangent, cell = np.array([-normal[1], normal[0]]), size[i]
-        along, height = (x - x[i]) @ tangent, distance - distance[i]
-        close = np.linalg.norm(x - x[i], axis=1) < 1.6 * cell
-        beside = (abs(distance) < 1.2 * cell) & (abs(along) > 0.3 * cell) & (abs(along) < 2.5 * cell)
-        above = close & (height > 0.5 * cell)
-        sides = np.sign(along[beside])
-        if (above.any() and len(sides) and abs(sides.sum()) == len(sides)
-                and room((x[i] - 1.2 * cell * sides[0] * tangent)[None, :])[0] > 0):
-            outer = np.flatnonzero(above)[np.argmax(-sides[0] * along[above])]
-            slope = np.clip(along[outer] / height[outer], -1.5, 1.5)
-            shift[k] = -2 * distance[i] * slope * tangent
-    return shift
-
-
-def outside(triangles, radius):
-    """Tells which triangles are outside the fluid: those with large circles that are reached from outside."""
-    left = (radius > BUBBLE) | ((radius > HOLE) & (triangles.neighbors < 0).any(axis=1))
-    edge = np.flatnonzero(left)
-    while len(edge):
-        beside = np.unique(triangles.neighbors[edge])
-        beside = beside[beside >= 0]
-        edge = beside[(radius[beside] > HOLE) & ~left[beside]]
-        left[edge] = True
-    return left
-
-
-def circumradius(corner):
-    """Returns the radius of the circle through the corners of each triangle."""
-    a, b, c = (np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(3))
-    p, q = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    twice = abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
-    return a * b * c / np.maximum(2 * twice, 1e-300)
 
 
 def plain(value):

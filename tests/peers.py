@@ -22,11 +22,11 @@ def rows_of(study, only, beginning):
     return found
 
 
-# Twice the errors of docs/developers/results: 1.6 % of the vortices; 0.39 % of the channel; of the drop 1.1 %, and 0.8 % of its rate.
+# Twice the errors of docs/developers/results: 1.6 % of the vortices; 0.39 % of the channel; of the drop 2.4 %, and 1.1 % of its rate.
 for row in rows_of("peers", "isph -case taylor_green -reynolds 100 -t_end 1 -n 16 ", "| isph, moving"):
     assert 0 < float(row[7].removesuffix(" %")) < 3, f"Taylor-Green vortices: {row}"
 for row in (row for row in rows_of("peers", "-n 10 -motion eulerian", "| isph, fixed") if row[2] == "10"):
     assert 0 < float(row[7].removesuffix(" %")) < 0.8, f"channel from rest: {row}"
 for row in rows_of("peers_free", "-n 8 -dt 5e-3", "| isph, "):
     error, rate = (float(cell.removesuffix(" %")) for cell in row[7:9])
-    assert 0 < error < 2 and abs(rate) < 2, f"mode 2 of a drop: {row}"
+    assert 0 < error < 5 and abs(rate) < 2, f"mode 2 of a drop: {row}"

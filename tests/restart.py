@@ -48,16 +48,14 @@ OPENINGS = ["-case", "scene", "-scene_inflow", "left", "-scene_outflow", "right"
             "-scene_velocity", "6*y*(1-y),0", "-viscosity", "0.1"]  # particles enter and leave
 JET = ["-case", "scene", "-scene_box", "0,0,2,1.5", "-scene_inflow", "top", "-scene_opening_top", "0.5,1.5", "-scene_outflow",
        "left,right", "-scene_filled_1", "box,0,0,2,0.5", "-scene_filled_2", "box,0.5,0.5,1.5,1.5", "-scene_wall_top_velocity",
-       "0,-6*(x-0.5)*(1.5-x)", "-scene_velocity", "0,y > 0.5 ? -6*(x-0.5)*(1.5-x) : 0", "-viscosity", "5", "-jitter", "0.1",
-       "-visc_laplacian", "pairwise_stress"]  # lands and crowds; particles enter and leave
+       "0,-6*(x-0.5)*(1.5-x)", "-scene_velocity", "0,y > 0.5 ? -6*(x-0.5)*(1.5-x) : 0", "-viscosity", "5", "-jitter", "0.1"]  # lands and crowds; particles enter and leave
 HEAT = ["-case", "scene", "-scene_wall_top_velocity", "1,0", "-viscosity", "1", "-viscosity_field", "exp(-T)", "-scene_scalar_1_name", "T",
         "-scene_scalar_1_diffusivity", "1+T*T", "-scene_scalar_1_source", "5*exp(-T)*g^2", "-scene_scalar_1_value", "bottom: t; left: 0",
         "-scene_scalar_1_exchange", "top: 2,1", "-scene_scalar_2_name", "dye", "-scene_scalar_2_start", "x", "-body_force", "0,50*T"]
 MIXTURE = ["-case", "scene", "-scene_symmetry", "left,right", "-viscosity", "0.1", "-body_force", "0,-1",
            "-scene_fluid_1", "circle,0.5,0.4,0.2", "-scene_fluid_1_density", "0.1", "-scene_fluid_1_tension", "0.1"]
 SINKING = ["-case", "scene", "-scene_box", "0,0,1,1.5", "-scene_filled_1", "box,0,0,1,1", "-viscosity", "0.02", "-body_force", "0,-1",
-           "-scene_fluid_1", "circle,0.5,0.6,0.2", "-scene_fluid_1_density", "2", "-surface_tension", "0.02",
-           "-visc_laplacian", "weak_stress", "-scheme", "coupled", "-speed", "0.2"]
+           "-scene_fluid_1", "circle,0.5,0.6,0.2", "-scene_fluid_1_density", "2", "-surface_tension", "0.02", "-speed", "0.2"]
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 IMPACT = ["-n", "16", "-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",
           "-viscosity", "10", "-scheme", "coupled"]  # the velocity jumps in step 10

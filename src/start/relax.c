@@ -57,6 +57,7 @@ static void AddBorder(const Scene *scene, const PetscReal x[], PetscReal reach, 
 {
   PetscReal most = -PETSC_INFINITY, normal[ISPH_MAX_DIM] = {0.0};
 
+  if (!scene->n_filled) return;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
     PetscReal       out[ISPH_MAX_DIM];
     const PetscReal depth = -BodyDistance(scene, &scene->filled[k], x, out);

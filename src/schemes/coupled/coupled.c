@@ -180,5 +180,5 @@ const SchemeRow SchemeCoupled = {
     .Destroy  = CoupledDestroy,
     .stages   = stages,
     .judges   = judges,
-    .memory   = {{5.5, 5.5, 5.7, 15.9}, {16.0, 16.0, 20.3, 108.0}},
+    .memory   = {{5.5, 5.5, 5.7, 72.0}, {16.0, 16.0, 20.3, 82.0}},
 };
