@@ -93,9 +93,9 @@ static PetscInt EndOfPlace(PetscInt n, const Corner corner[], PetscInt first)
 }
 
 /* StrainCorners - Numbers the corners of the facets, and adds their points; not collective. Cells
-   side by side compute the places of their corners alike but for rounding; a corner that rounding
-   counts twice has two equal rows. A corner that wet bodies share is on a contact line. The
-   stiffest fluid at a corner gives its velocity. */
+   side by side compute the places of their corners alike but for rounding: corners on a line of
+   the lattice lie in the middle of what counts as one place. A corner that wet bodies share is on a
+   contact line. The stiffest fluid at a corner gives its velocity. */
 PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainSurface *s,
                              StrainPoints *points)
 {
@@ -112,7 +112,8 @@ PetscErrorCode StrainCorners(const Scene *scene, const StrainLattice *l, StrainS
 
     corner[k].at = k < all ? k : all - 1 - k;
     for (PetscInt a = 0; a < d; a++)
-      corner[k].x[a] = (PetscInt64)PetscFloorReal(x[a] / (SAME_PLACE * l->edge[a]));
+      corner[k].x[a] =
+          (PetscInt64)PetscFloorReal((x[a] - scene->lo[a]) / (SAME_PLACE * l->edge[a]) + 0.5);
   }
   if (n) qsort(corner, (size_t)n, sizeof(*corner), ComparePlaces);
   for (PetscInt k = 0, end; k < n; k = end) {
