@@ -61,6 +61,7 @@ PetscErrorCode KspViewsEnd(KspViews *views);
 
 /* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
+PetscErrorCode FactorDefault(const char prefix[], const char name[]);
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode AmgDiagonal(Mat A);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);

@@ -19,6 +19,15 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* FactorDefault - Chooses MUMPS for the factors of LU, where PETSc has it: it takes pivots, and a
+   third of the time of PETSc's own; name: the option of the package, with its dash */
+PetscErrorCode FactorDefault(const char prefix[], const char name[])
+{
+  PetscFunctionBegin;
+  if (PetscDefined(HAVE_MUMPS)) PetscCall(OptionDefault(prefix, name, MATSOLVERMUMPS));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Refuses interpolations that need the number of unknowns of a block: without it hypre ends in a
    segmentation fault. */
 static PetscErrorCode RefuseBlocks(const char prefix[])

@@ -54,7 +54,7 @@ static const struct {
 } levels[FALLBACK_LEVELS] = {
     {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
     {KSPGMRES, PCBJACOBI, 0, PETSC_FALSE},
-    {KSPGMRES, PCLU, 20000, PETSC_TRUE},
+    {KSPFGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
 #define FLAT_MOST 6 /* times as many rows of a flat system have factors of the same size */
@@ -68,13 +68,11 @@ static PetscInt MostRows(PetscInt k, const Guard *guard)
 /* Creates the solver of a fallback when it is first needed. */
 static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 {
-  PetscReal   rtol;
-  PetscMPIInt ranks;
-  PC          pc;
+  PetscReal rtol;
+  PC        pc;
 
   PetscFunctionBegin;
   if (guard->level[k]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->level[k]));
   PetscCall(KSPSetType(guard->level[k], levels[k].ksp));
@@ -83,7 +81,8 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(guard->level[k], &pc));
   PetscCall(PCSetType(pc, levels[k].pc));
-  if (ranks > 1 && levels[k].most) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  if (PetscDefined(HAVE_MUMPS) && levels[k].most)
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,13 +36,14 @@ typedef struct {
   const char   *name; /* NULL: the user has chosen another one */
   const Flow   *flow;
   const Saddle *saddle;
-  KSP           factors;                      /* Jacobi, or factors of the blocks of ranks */
-  KSP           cycle;                        /* of AMG for a component; NULL: none */
-  PetscBool     on_splines;                   /* the cycle is on splines */
-  Vec           residual, pressure, from, to; /* work vectors, the last two of a component */
-  Vec           sums, part;                   /* of splines: work */
+  KSP           factors;            /* Jacobi, or factors of the blocks of ranks */
+  KSP           cycle;              /* of AMG for a component; NULL: none */
+  PetscBool     on_splines;         /* the cycle is on splines */
+  Vec           residual, from, to; /* work vectors, the last two of a component */
+  Vec           sums, part;         /* of splines: work */
 } VelocityBlock;
 
+const char    *VelocityBlockChoose(const Flow *flow, PetscBool *lu);
 PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *block);
 PetscErrorCode VelocityBlockSetUp(const Saddle *saddle, VelocityBlock *block);
 PetscErrorCode VelocityBlockAttach(PC fieldsplit, const Saddle *saddle, VelocityBlock *block);

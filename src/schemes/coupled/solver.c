@@ -54,17 +54,21 @@ static PetscErrorCode CreateKsp(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses a direct solver on a single rank in 2D for a weak form in a closed fluid, whose
-   viscosities vary: no field split holds with every ratio of them. */
+/* Chooses a direct solver on a single rank in 2D for a weak form if the fluid is closed, and its
+   viscosities vary, or if the velocity block needs LU at a free surface: no field split holds with
+   every ratio of viscosities, and each takes longer. On several ranks the sums of MUMPS have no
+   fixed order: a restart would not be bitwise. */
 static PetscErrorCode DirectDefault(const Flow *flow)
 {
+  PetscBool   lu;
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  if (ranks == 1 && flow->scene->dim == 2 && flow->ops->forms.visc.row->weak &&
-      !flow->ops->cut_surface)
-    PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
+  if (ranks > 1 || flow->scene->dim == 3 || !flow->ops->forms.visc.row->weak)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  VelocityBlockChoose(flow, &lu);
+  if (lu || !flow->ops->cut_surface) PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,6 +91,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &c->splits));
   PetscCall(PetscStrcmp(type, PCLU, &lu));
+  if (lu) PetscCall(FactorDefault("coupled_", "-pc_factor_mat_solver_type"));
   c->guard.solve       = (LinearSolve){.name       = "coupled",
                                        .label      = "solver",
                                        .prefix     = "coupled_",

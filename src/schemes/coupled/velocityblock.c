@@ -5,7 +5,8 @@
     factors     ILU(0) of the blocks of ranks
     two_level   ILU(0), then a cycle of AMG of the pair-wise Laplacian of each component on the
                 residual: iterations that do not grow with the step. Forms whose cells end at
-                interfaces of fluids, or in 2D at a free surface, have LU in its place
+                interfaces of fluids, or in 2D at a free surface, have LU in its place; on a
+                single rank LU of the whole system takes less time, see solver.c
     splines     the diagonal of F plus the inverse of its part on splines, where F has products only
                 (3D with a free surface of strain cells):
 
@@ -42,29 +43,39 @@ static PetscErrorCode CreateOnce(const char prefix[], PCType type, KSP *ksp)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* VelocityBlockChoose - Returns the name of the preconditioner that the regime of the step chooses,
+   and whether its factors are LU */
+const char *VelocityBlockChoose(const Flow *flow, PetscBool *lu)
+{
+  const Scene *scene = flow->scene;
+  const char  *name;
+
+  scene->regime->number[NUMBER_STIFFNESS] =
+      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
+  name = RegimeWord(scene->regime, REGIME_BLOCK_PC);
+  if (!flow->ops->cut_surface) {
+    *lu = OperatorsCutFluids(scene, flow->ops);
+    return name;
+  }
+  *lu = scene->dim == 2 && (!strcmp(name, "two_level") || SceneFluids(scene) > 1);
+  return scene->dim == 3 ? "splines" : name;
+}
+
 /* VelocityBlockCreate - Creates the preconditioner that the regime of the step chooses; collective
    on PETSC_COMM_WORLD. Input: repeats - the block is that of a component for all of them. */
 PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, VelocityBlock *v)
 {
-  const Scene *scene = flow->scene;
-  PetscBool    jacobi, both;
+  PetscBool jacobi, both, lu;
 
   PetscFunctionBegin;
-  scene->regime->number[NUMBER_STIFFNESS] =
-      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
   v->flow = flow;
-  v->name = RegimeWord(scene->regime, REGIME_BLOCK_PC);
-  PetscCall(PetscStrcmp(v->name, "jacobi", &jacobi));
-  PetscCall(PetscStrcmp(v->name, "two_level", &both));
-  v->on_splines = flow->ops->cut_surface && scene->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
-  if (v->on_splines) {
-    v->name = "splines";
-    jacobi = both = PETSC_TRUE;
-  }
-  if (flow->ops->cut_surface ? scene->dim == 2 && (both || SceneFluids(scene) > 1)
-                             : OperatorsCutFluids(scene, flow->ops)) {
-    both = PETSC_FALSE;
+  v->name = VelocityBlockChoose(flow, &lu);
+  PetscCall(PetscStrcmp(v->name, "splines", &v->on_splines));
+  jacobi = v->on_splines || !strcmp(v->name, "jacobi");
+  both   = v->on_splines || (!strcmp(v->name, "two_level") && !lu);
+  if (lu) {
     PetscCall(OptionDefault(FACTORS, "-sub_pc_type", PCLU));
+    PetscCall(FactorDefault(FACTORS, "-sub_pc_factor_mat_solver_type"));
   }
   if (!both || !repeats) PetscCall(CreateOnce(FACTORS, jacobi ? PCJACOBI : PCBJACOBI, &v->factors));
   if (!both) PetscFunctionReturn(PETSC_SUCCESS);
@@ -76,7 +87,7 @@ PetscErrorCode VelocityBlockCreate(const Flow *flow, PetscBool repeats, Velocity
 static PetscErrorCode FreeVectors(VelocityBlock *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecDestroyAll(&v->residual, &v->pressure, &v->sums, &v->part, &v->from, &v->to));
+  PetscCall(VecDestroyAll(&v->residual, &v->sums, &v->part, &v->from, &v->to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,7 +194,6 @@ static PetscErrorCode RenewVectors(const Saddle *s, VelocityBlock *v)
   if (v->on_splines) PetscCall(MatCreateVecs(v->flow->scheme->splines->slopes, &v->sums, &v->part));
   if (v->on_splines || !v->cycle || s->component) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(s->F, NULL, &v->residual));
-  PetscCall(VecDuplicate(s->pressure, &v->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
