@@ -125,8 +125,6 @@ PetscErrorCode          MonitorsBegin(const Flow *flow, Monitors *monitors);
 /* Surfaces of boundaries for ParaView, option -scene_view. */
 PetscErrorCode SceneView(const Scene *scene, PetscBool *viewed);
 
-PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
-
 extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions;
 extern const Table       ProgressTable;
 typedef struct Progress  Progress;

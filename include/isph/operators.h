@@ -42,7 +42,6 @@ PetscErrorCode AffineApplyFields(const AffineProducts *products);
 
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *particles,
                                        Operators *ops);
-void           OperatorsForget(Operators *ops);
 
 PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *particles, const Vec u[],
                                    const Vec walls[], PetscReal g[]);

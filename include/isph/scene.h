@@ -397,8 +397,6 @@ PetscBool          SceneIsClosedBox(const Scene *scene);
 PetscBool          ScenePressureFloats(const Scene *scene);
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
-void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                                PetscReal a[]);
 void      SceneSetLevel(Scene *scene);
 PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             const PetscReal normal[]);

@@ -108,6 +108,15 @@ struct StrainCells {
   PetscInt *of[ISPH_MAX_DIM], *at[ISPH_MAX_DIM], *cell[ISPH_MAX_DIM];
 };
 
+/* Returns true if this rank has a cell: if its centre lies in the box of the rank. Output: x - the
+   centre [m]. */
+static inline PetscBool StrainHasCell(const Particles *p, const StrainCells *cells, PetscInt c,
+                                      PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
+  return ParticlesHolds(p, x);
+}
+
 PetscReal      StrainEdge(const Scene *scene);
 PetscReal      StrainReach(const Scene *scene);
 PetscErrorCode StrainAssemble(const Scene *scene, const Particles *particles, const Neighbors *nb,

@@ -59,8 +59,7 @@ static PetscErrorCode CellPower(const Flow *flow, const Vec u[], PetscReal *powe
   for (PetscInt c = 0; c < cells->n; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-    if (ParticlesHolds(p, x))
+    if (StrainHasCell(p, cells, c, x))
       *power += cells->volume[c] / p->cell_volume * cells->nu[c] / flow->scene->nu *
                 PetscSqr(cells->rate[c]);
   }

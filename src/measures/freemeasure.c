@@ -5,9 +5,9 @@
 #include "isph/strain.h"
 #include "monitors.h"
 
-/* FluidVolume - Computes the volume inside the free surface [m^dim]. Collective. Output: volume -
+/* Computes the volume inside the free surface [m^dim]. Collective. Output: volume -
    of the cells; mass - sum of the volumes of the particles, its reference. */
-PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
+static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const Particles   *p     = flow->particles;
   const StrainCells *cells = flow->ops->strain;
@@ -17,8 +17,7 @@ PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
   for (PetscInt c = 0; c < cells->n; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-    if (ParticlesHolds(p, x)) sum += cells->volume[c];
+    if (StrainHasCell(p, cells, c, x)) sum += cells->volume[c];
   }
   PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
   *mass = p->weight * p->cell_volume;

@@ -268,10 +268,3 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* OperatorsForget - Lets OperatorsAssemble() assemble all matrices at the present positions
-   again */
-void OperatorsForget(Operators *ops)
-{
-  ops->moved = -1;
-}

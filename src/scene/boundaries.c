@@ -425,7 +425,7 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
 }
 
 /*
-  SceneWallAcceleration - Computes the acceleration of a boundary at a point of its surface [m/s^2]
+  Computes the acceleration of a boundary at a point of its surface [m/s^2]
 
     a = dV/dt + dw/dt x (x - X) + w x (w x (x - X))   for a body
 
@@ -434,8 +434,8 @@ static void BodyRate(const Scene *scene, PetscInt side, PetscReal t, PetscReal a
   does not depend on tangential acceleration; a part of the surface of the domain has n.(u.grad) u =
   -u.(u.grad) n. Derivatives are centred differences (ExpressionRate()) over 2e-5 L/U.
 */
-void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                           PetscReal a[])
+static void WallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                             PetscReal a[])
 {
   const Boundary *boundary = &scene->boundary[side];
   const Body     *body     = BoundaryBody(scene, side);
@@ -479,7 +479,7 @@ PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, cons
 
   if (kind->equation[FIT_PRESSURE] == EQUATION_VALUE)
     return kind->Pressure ? kind->Pressure(scene, side, t, x) : 0.0;
-  SceneWallAcceleration(scene, side, t, x, acceleration);
+  WallAcceleration(scene, side, t, x, acceleration);
   SceneBodyForce(scene, t, x, force);
   for (PetscInt a = 0; a < scene->dim; a++)
     slope += scene->rho * (force[a] - acceleration[a]) * normal[a];

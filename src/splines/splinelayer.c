@@ -62,7 +62,7 @@ static PetscInt LayerCorners(const Particles *p, const Splines *s, const StrainC
   const StrainBlocks *layer = &cells->surface.layer;
   PetscReal           x[ISPH_MAX_DIM];
 
-  if (!SplineIsOf(s, cells, c, f) || !SplineHasCell(p, cells, c, x)) return 0;
+  if (!SplineIsOf(s, cells, c, f) || !StrainHasCell(p, cells, c, x)) return 0;
   return layer->start[c + 1] - layer->start[c];
 }
 

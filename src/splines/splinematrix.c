@@ -179,14 +179,14 @@ static PetscErrorCode CellSplinesMat(const Particles *p, const Splines *s, const
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n, &width));
   for (PetscInt c = 0; c < cells->n; c++)
-    if (SplineHasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
+    if (StrainHasCell(p, cells, c, x)) width[row++] = SplineRowWidth(s, &s->lattice, x);
   PetscCall(SplineMat(p->comm, n, s->own.size, width, P));
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*P, &row, NULL));
   for (PetscInt c = 0; c < cells->n; c++) {
     SplineRow at;
 
-    if (!SplineHasCell(p, cells, c, x)) continue;
+    if (!StrainHasCell(p, cells, c, x)) continue;
     if (fluid < 0 || cells->fluid[c] == fluid) {
       SplineRowAt(s, &s->lattice, p, x, &at);
       PetscCall(MatSetValues(*P, 1, &row, at.n, at.number, at.value, ADD_VALUES));
@@ -212,7 +212,7 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(n, &width));
   for (PetscInt c = 0; c < cells->n; c++) {
-    if (!SplineHasCell(p, cells, c, x)) continue;
+    if (!StrainHasCell(p, cells, c, x)) continue;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = cells->sets == 1 ? 0 : a;
 
@@ -225,7 +225,7 @@ static PetscErrorCode CellDivergenceMat(const Particles *p, const Splines *s,
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*T, &row, NULL));
   for (PetscInt c = 0; c < cells->n; c++) {
-    if (!SplineHasCell(p, cells, c, x)) continue;
+    if (!StrainHasCell(p, cells, c, x)) continue;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = cells->sets == 1 ? 0 : a;
 
@@ -367,7 +367,7 @@ PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s)
                              &cells));
   }
   for (PetscInt a = 0; a < p->dim; a++) mass[a] = ops->strain->mass[ops->strain->sets == 1 ? 0 : a];
-  for (PetscInt c = 0; c < cells->n; c++) n += SplineHasCell(p, cells, c, x) ? 1 : 0;
+  for (PetscInt c = 0; c < cells->n; c++) n += StrainHasCell(p, cells, c, x) ? 1 : 0;
   s->n_jumps = SceneFluids(flow->scene) - 1;
   PetscCall(PetscCalloc2(s->n_jumps, &s->jump, s->n_jumps, &s->jumps));
   for (PetscInt f = 0; f < s->n_jumps; f++) {

@@ -292,10 +292,10 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
+/* Numbers the splines for the present boxes of the ranks, and assembles all that
    does not depend on the particles. Collective. Does nothing unless the box of a rank has
    changed. */
-PetscErrorCode SplinesNumber(const Particles *p, Splines *s)
+static PetscErrorCode NumberSplines(const Particles *p, Splines *s)
 {
   int         old = s->K ? 1 : 0;
   PetscMPIInt ranks, rank;
@@ -339,7 +339,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
   if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplinesFollow(s));
   if (s->epoch != p->epoch || s->lattice.scene->pose)
-    PetscCall(SplinesNumber(p, s)); /* boxes may be new */
+    PetscCall(NumberSplines(p, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
   s->epoch = p->epoch;

@@ -391,7 +391,6 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplineStiffnessFollow(Splines *s, const Particles *p);
 PetscErrorCode SplineUnusedRows(const Splines *s, Mat A);
 PetscErrorCode SplineClear(const Splines *s, PetscBool columns, PetscReal diagonal, Mat A);
-PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
 PetscErrorCode SplineMixtureFree(SplineMixture *m);
@@ -402,7 +401,6 @@ PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *
 PetscErrorCode SplinesMatrix(const Particles *particles, Splines *s);
 PetscErrorCode SplineProductMat(Mat left, Mat right, Mat *product);
 PetscErrorCode SplineGathered(Mat P, Mat T, Mat *D);
-PetscBool SplineHasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[]);
 PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, Mat all,
                                  Vec *volume);
 PetscErrorCode SplinesCutAssemble(Flow *flow, Splines *s);
@@ -433,8 +431,6 @@ PetscErrorCode SplineLayersAdd(const Particles *particles, const Splines *s,
                                PetscBool walls, Mat *to);
 
 /* splinesurface.c */
-PetscErrorCode SplineSurfaceExtend(const Particles *particles, const StrainCells *cells,
-                                   Splines *s);
 PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_fluid[], const Mat T[2],
                                  Splines *s);
 PetscErrorCode SplineSurfaceStiffness(Splines *s);

@@ -332,14 +332,6 @@ PetscErrorCode SplineGathered(Mat P, Mat T, Mat *D)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineHasCell - Returns true if this rank has cell c, whose splines it sums; not collective.
-   Output: x - the centre of the cell [m]. */
-PetscBool SplineHasCell(const Particles *p, const StrainCells *cells, PetscInt c, PetscReal x[])
-{
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-  return ParticlesHolds(p, x);
-}
-
 /* SplineCellVolumes - Creates the vector of the volumes of own cells; collective */
 PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, Mat all, Vec *volume)
 {
@@ -351,7 +343,7 @@ PetscErrorCode SplineCellVolumes(const Particles *p, const StrainCells *cells, M
   PetscCall(MatCreateVecs(all, NULL, volume));
   PetscCall(VecGetArrayWrite(*volume, &m));
   for (PetscInt c = 0; c < cells->n; c++)
-    if (SplineHasCell(p, cells, c, x)) m[row++] = cells->volume[c];
+    if (StrainHasCell(p, cells, c, x)) m[row++] = cells->volume[c];
   PetscCall(VecRestoreArrayWrite(*volume, &m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -85,8 +85,7 @@ static PetscErrorCode FindPieces(const Particles *p, const Splines *s, const Str
     PetscReal    x[ISPH_MAX_DIM];
     SplineValues at;
 
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = cells->centre[a][c];
-    if (of_cell[c] < 0 || !SplineIsOf(s, cells, c, f) || !ParticlesHolds(p, x)) continue;
+    if (of_cell[c] < 0 || !SplineIsOf(s, cells, c, f) || !StrainHasCell(p, cells, c, x)) continue;
     SplinesAt(l, x, &at);
     for (PetscInt k = 0; k < at.n; k++) { /* the largest value is the nearest */
       const PetscInt q = SplineNatural(l, at.index[k]);
@@ -192,9 +191,9 @@ static PetscErrorCode ExtendFluid(const Particles *p, const StrainCells *cells, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineSurfaceExtend - Computes the extension E of the splines, of each fluid its own, and lists
+/* Computes the extension E of the splines, of each fluid its own, and lists
    the own splines that are no unknowns. Collective. */
-PetscErrorCode SplineSurfaceExtend(const Particles *p, const StrainCells *cells, Splines *s)
+static PetscErrorCode ExtendOnSurface(const Particles *p, const StrainCells *cells, Splines *s)
 {
   Mat E[SCENE_MAX_FLUIDS + 1];
 
@@ -282,7 +281,7 @@ static PetscErrorCode CellSlopesMat(const Particles *p, const Splines *s, const 
     SplineRow at;
     PetscReal wall = 0.0;
 
-    if (!SplineHasCell(p, cells, c, x)) continue;
+    if (!StrainHasCell(p, cells, c, x)) continue;
     SplineRowAt(s, &s->lattice, p, x, &at);
     for (PetscInt e = cells->first[0][c]; e < cells->first[0][c + 1]; e++)
       if (!ParticlesIsWall(p, cells->j[0][e])) wall += cells->g[0][a][e];
@@ -327,7 +326,7 @@ static PetscErrorCode VelocitiesOnSplines(const Scene *scene, const Particles *p
   PetscCall(VecCopy(volume, factor));
   PetscCall(VecGetArray(factor, &weight));
   for (PetscInt c = 0; c < cells->n; c++)
-    if (SplineHasCell(p, cells, c, x)) weight[row++] *= cells->nu[c] / scene->nu;
+    if (StrainHasCell(p, cells, c, x)) weight[row++] *= cells->nu[c] / scene->nu;
   PetscCall(VecRestoreArray(factor, &weight));
   PetscCall(VecScale(factor, PetscPowReal(s->scale, -(PetscReal)p->dim)));
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -389,7 +388,7 @@ PetscErrorCode SplineSurfaceRows(const Flow *flow, PetscInt n, const Mat of_flui
 
   PetscFunctionBegin;
   PetscCall(SplineCellVolumes(p, cells, of_fluid[0], &volume));
-  PetscCall(SplineSurfaceExtend(p, cells, s));
+  PetscCall(ExtendOnSurface(p, cells, s));
   for (PetscInt w = 0; w < 2; w++) {
     if (!T[w]) continue;
     for (PetscInt f = 0; f < s->fluids; f++) PetscCall(SplineGathered(of_fluid[f], T[w], &part[f]));

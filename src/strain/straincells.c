@@ -198,8 +198,7 @@ static void AddWet(const Scene *scene, const Particles *p, const StrainCell *cel
 {
   PetscReal x[ISPH_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = s->centre[a][s->n];
-  if (!ParticlesHolds(p, x)) return;
+  if (!StrainHasCell(p, s, s->n, x)) return;
   for (PetscInt side = 0; side < 2 * p->dim; side++)
     if (BoxSide(scene, &s->lattice, cell, side) == side) s->surface.wet[side] += part->area[side];
 }

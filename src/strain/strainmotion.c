@@ -310,11 +310,9 @@ PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const Strain
   }
   PetscCall(BeginBlocks(d, s->n, &s->flux));
   for (PetscInt c = 0; c < s->n; c++) {
-    PetscReal x[ISPH_MAX_DIM];
-    PetscBool own;
+    PetscReal       x[ISPH_MAX_DIM];
+    const PetscBool own = StrainHasCell(p, s, c, x);
 
-    for (PetscInt a = 0; a < d; a++) x[a] = s->centre[a][c];
-    own = ParticlesHolds(p, x);
     for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
       const PetscInt v = facets->facet[k].point - s->surface.first;
 

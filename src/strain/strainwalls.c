@@ -18,8 +18,7 @@ static void AddViscous(const Particles *p, const StrainCells *s, PetscReal rho, 
   for (PetscInt c = 0; c < s->n; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < d; a++) x[a] = s->centre[a][c];
-    if (!ParticlesHolds(p, x)) continue;
+    if (!StrainHasCell(p, s, c, x)) continue;
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = s->sets == 1 ? 0 : a;
 

@@ -15,8 +15,8 @@ typedef struct {
   const char *name, *brief, *citation;
   PetscBool   incremental; /* grad p^n acts in the predictor */
   PetscBool   rotational;  /* mu div u* is subtracted from p */
-  PetscReal
-      alpha_max; /* largest -ppe_alpha with margin to growth; theory.md, (projection:factors) */
+  PetscReal   alpha_max;   /* largest -ppe_alpha that does not grow: theory.md,
+                              (projection:factors) */
 } ProjectionRow;
 
 /* The convective term of fixed particles. */
