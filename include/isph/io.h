@@ -46,6 +46,7 @@ typedef struct {
   TrustPart worst;             /* the cause of most of it */
   PetscReal x[ISPH_MAX_DIM];   /* place of the largest error of the gradient [m] */
   PetscReal layer;             /* thickness of sheared layers beside rigid parts; 0: none [dx] */
+  PetscReal surface;           /* stress of the free surface over the pressure [-] */
 } Trust;
 
 /* Memory of a run, see src/io/machinememory.c. */

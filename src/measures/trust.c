@@ -12,11 +12,16 @@
   Space and operator see the same error where the form is consistent. The defect is the better
   estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
   spread about the true error. results/trust.md compares them with the true errors of flows.
+
+  The pressure below a free surface tends to that of the tension there: the normal stress of the
+  surface, which it lacks, is the layer's own, (strain:layer). The stress at the particles over the
+  pressure, root mean squares, is reported as the estimate of its error.
 */
 #include "defect.h"
 #include "isph/balance.h"
+#include "splines/splines.h"
 
-#define TRUSTED      0.05 /* largest estimated error of a velocity that can be trusted [-] */
+#define TRUSTED      0.05 /* largest estimated error that can be trusted [-] */
 #define LAYER_LEAST  2.0  /* least thickness of a sheared layer [dx] */
 #define LAYER_WANTED 3.0  /* thickness that is advised [dx] */
 #define CUT          0.01 /* share of the fluid [-] */
@@ -96,6 +101,28 @@ static PetscReal LayerError(const Flow *flow, const Resolution *resolution)
   return PetscMin(error, 1.0);
 }
 
+/* Computes the stress of the layer below a free surface over the pressure beyond that outside; zero
+   without a layer. Collective. */
+static PetscErrorCode SurfaceStress(const Flow *flow, PetscReal *share)
+{
+  Splines  *s = flow->scheme->splines;
+  PetscReal sum[2];
+  Vec       stress, excess;
+
+  PetscFunctionBegin;
+  *share = 0.0;
+  if (!s || !s->layer) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplinesLayerStress(flow, s, &stress));
+  PetscCall(VecDuplicate(stress, &excess));
+  PetscCall(VecCopy(flow->state->p, excess));
+  PetscCall(VecShift(excess, -flow->scene->level));
+  PetscCall(FluidSum(flow->particles, stress, PETSC_TRUE, &sum[0]));
+  PetscCall(FluidSum(flow->particles, excess, PETSC_TRUE, &sum[1]));
+  if (sum[1] > 0.0) *share = PetscSqrtReal(sum[0] / sum[1]);
+  PetscCall(VecDestroyAll(&stress, &excess));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
    at most TRUSTED, otherwise 0. Collective. Errors are root mean squares over ErrorScale(). That of
    the operators is over the sum of both, the most that the true velocity can be. */
@@ -120,10 +147,13 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   trust->part[TRUST_LAYER]    = LayerError(flow, &resolution);
   trust->layer                = resolution.layer;
   Combine(trust);
+  PetscCall(SurfaceStress(flow, &trust->surface));
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
   for (PetscInt k = 0; k < TRUST_BALANCE; k++) /* the sheet reports its own */
     PetscCall(ReportAddError(report, names[k], trust->part[k]));
   if (trust->layer > 0.0) PetscCall(ReportAdd(report, "sheared_layer", trust->layer));
+  if (trust->surface > 0.0)
+    PetscCall(ReportAddError(report, "pressure_l2_estimate", trust->surface));
   PetscCall(ReportAdd(report, "trust", trust->error <= TRUSTED ? 1.0 : 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -183,9 +213,9 @@ static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and one if
-   bounds cut its viscosity. Collective on the viewer. The error is of order dx^2, which gives the
-   number -n of the line. */
+/* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and others
+   if bounds cut its viscosity, or the pressure beside a free surface cannot be trusted. Collective
+   on the viewer. The error is of order dx^2, which gives the number -n of the line. */
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
 {
   const Trust *trust = &report->trust;
@@ -193,6 +223,12 @@ PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer vie
 
   PetscFunctionBegin;
   PetscCall(ViewBounds(flow, viewer));
+  if (trust->surface > TRUSTED)
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "pressure not trusted: within 3 dx of the free surface it lacks the normal stress of the "
+        "surface, which is %.2g %% of the pressure in the root mean square; try a larger -n\n",
+        100.0 * (double)trust->surface));
   if (trust->error <= TRUSTED) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Advise(flow, trust, advice, sizeof(advice)));
   PetscCall(PetscViewerASCIIPrintf(viewer,

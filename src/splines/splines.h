@@ -459,6 +459,7 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
 PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v);
 PetscErrorCode SplinesFollow(Splines *s);
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s);
+PetscErrorCode SplinesLayerStress(const Flow *flow, Splines *s, Vec *stress);
 PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
                                PetscReal *p);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);

@@ -229,6 +229,40 @@ static PetscErrorCode AddJumps(Flow *flow, Splines *s, Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SplinesLayerStress - Creates the stress of the layer below a free surface at own fluid, see
+   splinelayer.c; collective */
+PetscErrorCode SplinesLayerStress(const Flow *flow, Splines *s, Vec *stress)
+{
+  const Particles   *particles = flow->particles;
+  const PetscScalar *layer, *from;
+  PetscScalar       *to;
+  Vec                all, part, value;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->all, &all));
+  PetscCall(VecSet(all, 0.0));
+  PetscCall(SplineLayerSet(s, 0.0, all));
+  PetscCall(VecDuplicate(s->p, &part));
+  PetscCall(VecDuplicate(flow->state->p, &value));
+  PetscCall(VecDuplicate(flow->state->p, stress));
+  for (PetscInt f = 0; f < s->fluids; f++) {
+    PetscCall(VecGetArrayRead(all, &layer));
+    PetscCall(VecGetArray(part, &to));
+    PetscCall(PetscArraycpy(to, layer + f * s->own.size, s->own.size));
+    PetscCall(VecRestoreArray(part, &to));
+    PetscCall(VecRestoreArrayRead(all, &layer));
+    PetscCall(SplinesValue(s, part, value));
+    PetscCall(VecGetArrayRead(value, &from));
+    PetscCall(VecGetArray(*stress, &to));
+    for (PetscInt i = 0; i < particles->n_fluid; i++)
+      if (s->fluids == 1 || (PetscInt)particles->fluid[i] == f) to[i] = from[i];
+    PetscCall(VecRestoreArray(*stress, &to));
+    PetscCall(VecRestoreArrayRead(value, &from));
+  }
+  PetscCall(VecDestroyAll(&all, &part, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets the kept numbers of splines that have masters to what these give. When a body that moves
    leaves such a spline, it begins with this number. */
 static PetscErrorCode KeepSlaves(Splines *s)
