@@ -69,8 +69,8 @@ typedef struct {
 } BoundaryRow;
 extern const Table       BoundaryTable;
 extern const char *const BoxAxes[], *const BoxSides[]; /* NULL after the last */
-extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
-    BoundaryInflow; /* kinds that cases and options set */
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundarySlip,
+    BoundaryNone, BoundaryInflow; /* kinds that cases and options set */
 
 /* The freedom of a body that moves by the forces on it, see src/scene/freebodies.c; in 2D per metre
    of depth. */
@@ -98,6 +98,7 @@ typedef struct {
   PetscBool          rides;      /* a body that turns with Scene.frame */
   Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
   Freedom            freedom;    /* of a body */
+  PetscReal          slip;       /* depth behind the side at which fluid would stick [m] */
   PetscReal          contact;    /* cosine of the angle in the fluid between it and a surface [-] */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
   Body               hole; /* the same in 3D, in the axes along the side; without shape: all */

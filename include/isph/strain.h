@@ -83,10 +83,11 @@ typedef struct StrainCells StrainCells;
 
 struct StrainCells {
   StrainLattice lattice;
-  PetscInt      sets; /* components of the velocity with fits of their own: 1 or dim */
-  PetscInt      n, capacity;
-  PetscReal    *volume, *nu; /* [m^dim], [m^2/s] */
+  PetscInt      sets;             /* components of the velocity with fits of their own: 1 or dim */
+  PetscInt      n, all, capacity; /* cells; with the layers behind walls that slip */
+  PetscReal    *volume, *nu;      /* [m^dim], [m^2/s] */
   PetscInt     *fluid;
+  PetscInt     *beside; /* the cell that a layer is behind, for cell n and those after it */
   PetscReal    *centre[ISPH_MAX_DIM];
   /* gradients of component set s in cell c: entries [first[s][c], first[s][c + 1]) */
   PetscInt     *first[ISPH_MAX_DIM], *j[ISPH_MAX_DIM];

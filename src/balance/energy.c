@@ -56,7 +56,7 @@ static PetscErrorCode CellPower(const Flow *flow, const Vec u[], PetscReal *powe
   PetscFunctionBegin;
   *power = 0.0;
   PetscCall(StrainOfVelocity(p, u, flow->walls.u, cells));
-  for (PetscInt c = 0; c < cells->n; c++) {
+  for (PetscInt c = 0; c < cells->all; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
     if (StrainHasCell(p, cells, c, x))

@@ -19,11 +19,13 @@
 */
 #include "defect.h"
 #include "isph/balance.h"
+#include "isph/strain.h"
 #include "splines/splines.h"
 
 #define TRUSTED      0.05 /* largest estimated error that can be trusted [-] */
 #define LAYER_LEAST  2.0  /* least thickness of a sheared layer [dx] */
 #define LAYER_WANTED 3.0  /* thickness that is advised [dx] */
+#define SLIP_LEAST   2.0  /* least slip length of a contact line that a wall drags [dx] */
 #define CUT          0.01 /* share of the fluid [-] */
 #define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
@@ -213,9 +215,40 @@ static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints a line for each side of the box that drags a contact line, or lets it slip, over a length
+   that has few particles: the line then moves as if the wall slipped over about dx. */
+static PetscErrorCode ViewLines(const Flow *flow, PetscViewer viewer)
+{
+  const Scene *scene                 = flow->scene;
+  PetscReal    wet[2 * ISPH_MAX_DIM] = {0.0};
+
+  PetscFunctionBegin;
+  if (!flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Allreduce(flow->ops->strain->surface.wet, wet, 2 * ISPH_MAX_DIM, MPIU_REAL,
+                             MPIU_SUM, flow->particles->comm));
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const Boundary *wall = &scene->boundary[side];
+    PetscReal       area = 1.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++)
+      if (a != side / 2) area *= scene->hi[a] - scene->lo[a];
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) || !(wall->velocity.n || wall->slip > 0.0) ||
+        wall->slip >= SLIP_LEAST * scene->dx || !(wet[side] > 0.0) || wet[side] > 0.999 * area)
+      continue;
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "contact line: the %s wall slips over %.2g dx, and fewer than %.0f do not resolve how fast "
+        "the surface moves along it; give -scene_wall_%s_slip of %.3g m or more\n",
+        BoxSides[side], (double)(wall->slip / scene->dx), SLIP_LEAST, BoxSides[side],
+        (double)(SLIP_LEAST * scene->dx)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and others
-   if bounds cut its viscosity, or the pressure beside a free surface cannot be trusted. Collective
-   on the viewer. The error is of order dx^2, which gives the number -n of the line. */
+   if bounds cut its viscosity, contact lines slip over few particles, or the pressure beside a free
+   surface cannot be trusted. Collective on the viewer. The error is of order dx^2, which gives the
+   number -n of the line. */
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
 {
   const Trust *trust = &report->trust;
@@ -223,6 +256,7 @@ PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer vie
 
   PetscFunctionBegin;
   PetscCall(ViewBounds(flow, viewer));
+  PetscCall(ViewLines(flow, viewer));
   if (trust->surface > TRUSTED)
     PetscCall(PetscViewerASCIIPrintf(
         viewer,

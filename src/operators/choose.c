@@ -223,15 +223,21 @@ static PetscErrorCode RefuseOutflows(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses contact angles of surfaces that have none. */
-static PetscErrorCode RefuseAngles(const Scene *scene)
+/* Refuses contact angles of surfaces that have none, and forms whose walls do not slip. */
+static PetscErrorCode RefuseContacts(const Scene *scene, const OperatorForms *forms)
 {
+  const LaplacianRow *visc = forms->visc.row;
+
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    UserCheck(scene->boundary[side].slip == 0.0 || (visc && visc->weak),
+              "-scene_wall_%s_slip: walls of -visc_laplacian %s have no friction; use weak_stress",
+              BoxSides[side], visc ? visc->name : "(none)");
     UserCheck(scene->boundary[side].contact == 0.0 || scene->tension > 0.0,
               "-scene_wall_%s_angle: only a free surface with a tension has contact angles; give "
               "-surface_tension",
               BoxSides[side]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,7 +258,7 @@ static PetscErrorCode RefuseTension(const Scene *scene)
 static PetscErrorCode RefuseSurface(const Scene *scene, unsigned needs, const OperatorForms *forms)
 {
   PetscFunctionBegin;
-  PetscCall(RefuseAngles(scene));
+  PetscCall(RefuseContacts(scene, forms));
   PetscCall(RefuseTension(scene));
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(forms->visc.row->weak,

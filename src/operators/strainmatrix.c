@@ -24,7 +24,7 @@ PetscErrorCode StrainPlaces(const Particles *p, StrainCells *s)
     for (PetscInt e = 0; e < n; e++) of[PetscMin(s->j[q][e], p->n_fluid) + 1] += 1;
     for (PetscInt i = 0; i <= p->n_fluid; i++) of[i + 1] += of[i];
     PetscCall(PetscMalloc2(n, &s->at[q], n, &s->cell[q]));
-    for (PetscInt c = 0; c < s->n; c++) {
+    for (PetscInt c = 0; c < s->all; c++) {
       for (PetscInt e = s->first[q][c]; e < s->first[q][c + 1]; e++) {
         const PetscInt i = PetscMin(s->j[q][e], p->n_fluid);
 

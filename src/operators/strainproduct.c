@@ -96,7 +96,7 @@ static PetscErrorCode Product_Mult(Mat A, Vec x, Vec y)
   PetscCall(SetVelocities(of, x));
   PetscCall(VecZeroEntries(y));
   PetscCall(VecGetArray(y, &to));
-  for (PetscInt c = 0; c < s->n; c++) {
+  for (PetscInt c = 0; c < s->all; c++) {
     PetscReal stress[ISPH_MAX_DIM][ISPH_MAX_DIM];
 
     StressOf(of, c, stress);
@@ -131,7 +131,7 @@ static PetscErrorCode Product_GetDiagonal(Mat A, Vec diagonal)
   s = of->cells;
   PetscCall(VecZeroEntries(diagonal));
   PetscCall(VecGetArray(diagonal, &to));
-  for (PetscInt c = 0; c < s->n; c++) {
+  for (PetscInt c = 0; c < s->all; c++) {
     const PetscReal factor = s->volume[c] * s->nu[c] / of->scene->nu;
 
     for (PetscInt a = 0; a < p->dim; a++) {

@@ -122,7 +122,7 @@ PetscErrorCode TangentCreate(const Scene *scene, Particles *p, Operators *ops,
   t->scene = scene;
   t->p     = p;
   t->ops   = ops;
-  t->n     = ops->strain ? ops->strain->n : p->n_fluid;
+  t->n     = ops->strain ? ops->strain->all : p->n_fluid;
   PetscCall(PetscCalloc3(t->n, &t->point, ParticlesAll(p) * p->dim, &t->u,
                          PetscMax(t->n, ParticlesAll(p)), &t->change));
   for (PetscInt i = 0; i < t->n; i++) {

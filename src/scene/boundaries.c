@@ -32,7 +32,7 @@ const BoundaryRow BoundaryNone = {
 #define KINDS(ROW)                                                                                 \
   ROW(BoundaryWall)                                                                                \
   ROW(BoundaryPeriodic)                                                                            \
-  ROW(BoundarySymmetry) ROW(BoundaryInflow) ROW(BoundaryOutflow) ROW(BoundaryNone)
+  ROW(BoundarySymmetry) ROW(BoundarySlip) ROW(BoundaryInflow) ROW(BoundaryOutflow) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
 KINDS(DECLARE)

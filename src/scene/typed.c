@@ -80,7 +80,7 @@ static PetscErrorCode ReadKinds(Scene *scene)
     const PetscBool    by_axis = kind->option.words == BoxAxes;
     unsigned           chosen;
 
-    if (!kind->option.name) continue;
+    if (!kind->option.words) continue;
     PetscCall(OptionGetFlags(&kind->option, &chosen));
     for (PetscInt side = 0; side < 2 * ISPH_MAX_DIM; side++) {
       const BoundaryRow *before = scene->boundary[side].kind;
@@ -129,6 +129,25 @@ static PetscErrorCode ReadFields(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads how a wall of the box meets fluid: its slip length, and its angle with a free surface. */
+static PetscErrorCode ReadContact(Scene *scene, PetscInt side)
+{
+  Boundary *wall  = &scene->boundary[side];
+  PetscReal angle = 90.0;
+  char      name[OPTION_LENGTH];
+  PetscBool given;
+  OptionRow row;
+
+  PetscFunctionBegin;
+  OptionFill(&options[WALL_ANGLE], BoxSides[side], name, &row);
+  PetscCall(OptionGetReal(&row, &angle, NULL));
+  wall->contact = angle == 90.0 ? 0.0 : PetscCosReal(angle * PETSC_PI / 180.0);
+  OptionFill(&BoundarySlip.option, BoxSides[side], name, &row);
+  PetscCall(OptionGetReal(&row, &wall->slip, &given));
+  if (given) wall->kind = &BoundarySlip;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the velocities of the sides of the box that give one. An outflow with a given velocity is
    an inflow; an inflow has that of the reference solution if it gives none. */
 static PetscErrorCode ReadSides(Scene *scene)
@@ -137,7 +156,6 @@ static PetscErrorCode ReadSides(Scene *scene)
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
-    PetscReal      angle  = 90.0;
     char           name[OPTION_LENGTH];
     PetscBool      given;
     OptionRow      row;
@@ -145,9 +163,7 @@ static PetscErrorCode ReadSides(Scene *scene)
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP) &&
         !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
       continue;
-    OptionFill(&options[WALL_ANGLE], BoxSides[side], name, &row);
-    if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) PetscCall(OptionGetReal(&row, &angle, NULL));
-    scene->boundary[side].contact = angle == 90.0 ? 0.0 : PetscCosReal(angle * PETSC_PI / 180.0);
+    if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) PetscCall(ReadContact(scene, side));
     OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
     PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim,
                             EXPRESSION_PLACE | EXPRESSION_TIME, v, &given));

@@ -66,7 +66,7 @@ typedef struct {
 /* A part of the boundary of a cell: a point, whose row gives the velocity, and the area vector over
    the volume. */
 typedef struct {
-  PetscInt  point;
+  PetscInt  point, set; /* set: the row of all components; -1: each has its own */
   PetscReal normal[ISPH_MAX_DIM];
 } Facet;
 

@@ -1,6 +1,7 @@
 /* The cells of a rank, cut by bodies and by interfaces of fluids, and the gradient of the velocity
    in each. A cell of two fluids is two cells. On an interface both have the velocity of the stiffer
-   fluid. */
+   fluid. Behind a wall that slips a layer of cells has the velocity of the fluid on the wall and,
+   at the slip length behind it, that of the wall: theory.md, (strain:slip). */
 #include "strain.h"
 
 #define LEAST_MASS 0.3 /* of a particle, over its volume */
@@ -92,7 +93,7 @@ static PetscErrorCode SidePoint(const Scene *scene, const StrainLattice *l, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal normal[],
+static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, PetscInt set, const PetscReal normal[],
                                PetscReal volume, Facets *f)
 {
   PetscFunctionBegin;
@@ -101,6 +102,7 @@ static PetscErrorCode AddFacet(PetscInt dim, PetscInt point, const PetscReal nor
     PetscCall(PetscRealloc(sizeof(Facet) * (size_t)f->room, &f->facet));
   }
   f->facet[f->n].point = point;
+  f->facet[f->n].set   = set;
   for (PetscInt a = 0; a < dim; a++) f->facet[f->n].normal[a] = normal[a] / volume;
   f->n++;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -144,7 +146,7 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainCell *cell,
     if (part->area[side] <= 0.0) continue;
     normal[side / 2] = side % 2 ? part->area[side] : -part->area[side];
     PetscCall(SidePoint(scene, l, cell, side, fluid, part->at[side], sides, &point));
-    PetscCall(AddFacet(l->dim, point, normal, part->volume, facets));
+    PetscCall(AddFacet(l->dim, point, -1, normal, part->volume, facets));
   }
   for (PetscInt k = 0; k < part->n_surface; k++) {
     const PetscBool between = part->between[k];
@@ -162,7 +164,7 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainCell *cell,
                                          : 0.0;
 
       for (PetscInt v = 0; v < l->dim; v++) /* corners have no points yet */
-        PetscCall(AddFacet(l->dim, -1 - (s->surface.n * l->dim + v), part->normal[k],
+        PetscCall(AddFacet(l->dim, -1 - (s->surface.n * l->dim + v), -1, part->normal[k],
                            part->volume * l->dim, facets));
       PetscCall(StrainFacetAdd(l->dim, part->corner[k], of, between, tension, &s->surface));
       continue;
@@ -172,7 +174,7 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainCell *cell,
     if (corners->depth && body < 0 && !between && quantity->gives) body = SceneBoundaries(scene);
     point = sides->points.n;
     PetscCall(StrainPointAdd(l->dim, part->place[k], of, body, &sides->points));
-    PetscCall(AddFacet(l->dim, point, part->normal[k], part->volume, facets));
+    PetscCall(AddFacet(l->dim, point, -1, part->normal[k], part->volume, facets));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -181,11 +183,12 @@ static PetscErrorCode AddPart(const Scene *scene, const StrainCell *cell,
 static PetscErrorCode CellsReserve(PetscInt dim, StrainCells *s, Facets *facets)
 {
   PetscFunctionBegin;
-  if (s->n + 1 < s->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->all + 1 < s->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   s->capacity = 2 * s->capacity + 1024;
   PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->volume));
   PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->nu));
   PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->capacity, &s->fluid));
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->capacity, &s->beside));
   for (PetscInt a = 0; a < dim; a++)
     PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)s->capacity, &s->centre[a]));
   PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)s->capacity, &facets->first));
@@ -213,7 +216,7 @@ static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
   PetscReal            whole = 1.0;
 
   PetscFunctionBegin;
-  s->n = s->surface.n = s->surface.n_wet = 0;
+  s->n = s->all = s->surface.n = s->surface.n_wet = 0;
   PetscCall(PetscArrayzero(s->surface.wet, 2 * ISPH_MAX_DIM));
   PetscCall(PetscMalloc1(s->capacity, &facets->first));
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -242,10 +245,43 @@ static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
           AddPart(scene, &cell, corners, n, fluid, fluid[q], quantity, &part, s, sides, facets));
       for (PetscInt a = 0; a < l->dim; a++) s->centre[a][s->n] = part.centre[a];
       AddWet(scene, p, &cell, &part, s);
-      s->n++;
+      s->all = ++s->n;
     }
   }
   if (s->n) facets->first[s->n] = facets->n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Adds the layers behind walls that slip: with the slip length l a side of the area A of a cell has
+  a layer of the volume A l, whose dissipation is that of the wall,
+
+    A l 2 nu E:E = A nu |u - U|^2/l,   grad u = (U - u) n^T/l,   n out of the fluid
+*/
+static PetscErrorCode AddLayers(const Scene *scene, const StrainPoints *points, StrainCells *s,
+                                Facets *facets)
+{
+  const PetscInt d = scene->dim;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < s->n; c++) {
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      const PetscInt  point = facets->facet[k].point, side = point < 0 ? -1 : points->side[point];
+      const PetscReal slip = side < 0 || side >= 2 * d ? 0.0 : scene->boundary[side].slip;
+      PetscReal       normal[ISPH_MAX_DIM] = {0.0};
+
+      if (slip == 0.0) continue;
+      PetscCall(CellsReserve(d, s, facets));
+      normal[side / 2]  = side % 2 ? 1.0 : -1.0;
+      s->volume[s->all] = PetscAbsReal(facets->facet[k].normal[side / 2]) * s->volume[c] * slip;
+      s->fluid[s->all]  = s->fluid[c];
+      s->beside[s->all] = c;
+      for (PetscInt a = 0; a < d; a++) s->centre[a][s->all] = s->centre[a][c];
+      PetscCall(AddFacet(d, point, side / 2, normal, slip, facets));
+      PetscCall(AddFacet(d, point, -1, normal, -slip, facets));
+      facets->first[++s->all] = facets->n;
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -318,7 +354,7 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
   s->first[q][c] = first;
   for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
     const Facet   *facet = &facets->facet[k];
-    const PetscInt row   = facet->point * s->sets + q;
+    const PetscInt row   = facet->point * s->sets + (facet->set < 0 ? q : facet->set);
 
     for (PetscInt b = 0; b < d; b++) area += PetscAbsReal(facet->normal[b]);
     PetscCall(EntriesReserve(d, q, rows->start[row + 1] - rows->start[row], s));
@@ -343,7 +379,7 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
       s->mean[place[rows->j[e]]] += share * rows->w[e];
   }
   for (PetscInt e = first; e < s->n_entries[q]; e++) place[s->j[q][e]] = -1;
-  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+  for (PetscInt k = facets->first[c]; c < s->n && k < facets->first[c + 1]; k++) {
     const Facet   *facet = &facets->facet[k];
     const PetscInt row   = facet->point * s->sets + q;
     PetscReal      share = 0.0;
@@ -370,9 +406,9 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
     s->n_entries[q] = 0;
     PetscCall(PetscFree(s->mass[q]));
     PetscCall(PetscCalloc1(p->n_fluid + 1, &s->mass[q]));
-    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->n + 1), &s->first[q]));
-    for (PetscInt c = 0; c < s->n; c++) PetscCall(JoinFacets(p, rows, facets, c, q, place, s));
-    s->first[q][s->n] = s->n_entries[q];
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->all + 1), &s->first[q]));
+    for (PetscInt c = 0; c < s->all; c++) PetscCall(JoinFacets(p, rows, facets, c, q, place, s));
+    s->first[q][s->all] = s->n_entries[q];
     for (PetscInt i = 0; i < p->n_fluid; i++)
       s->mass[q][i] = PetscMax(s->mass[q][i], LEAST_MASS * p->volume[i]);
   }
@@ -413,6 +449,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
   for (PetscInt k = 0; k < 2 * p->dim * sides.all; k++) sides.side[k] = -1;
   PetscCall(FindCells(scene, p, quantity, &corners, s, &sides, &facets));
+  if (!quantity->gives && !quantity->normal) PetscCall(AddLayers(scene, &sides.points, s, &facets));
   PetscCall(StrainCorners(scene, &s->lattice, &s->surface, &sides.points));
   for (PetscInt k = 0; k < facets.n; k++)
     if (facets.facet[k].point < 0)
@@ -470,8 +507,8 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
 
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FreeAll(&s->lattice.distance, &s->volume, &s->nu, &s->fluid, &s->mean, &s->border.side,
-                    &s->border.row, &s->border.normal, &s->border.x));
+  PetscCall(FreeAll(&s->lattice.distance, &s->volume, &s->nu, &s->fluid, &s->beside, &s->mean,
+                    &s->border.side, &s->border.row, &s->border.normal, &s->border.x));
   PetscCall(StrainRowsFree(&s->border.rows));
   PetscCall(FreeAll(&s->surface.corner, &s->surface.x, &s->surface.fluid, &s->surface.between,
                     &s->surface.tension, &s->surface.on_level, &s->surface.wet_x,

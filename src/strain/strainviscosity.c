@@ -12,9 +12,9 @@ PetscErrorCode StrainOfValues(const Particles *p, PetscReal *const value[], Stra
 
   PetscFunctionBegin;
   PetscCall(FreeAll(&s->strain, &s->rate));
-  PetscCall(PetscMalloc1(s->n * d * d + 1, &s->strain));
-  PetscCall(PetscMalloc1(s->n + 1, &s->rate));
-  for (PetscInt c = 0; c < s->n; c++) {
+  PetscCall(PetscMalloc1(s->all * d * d + 1, &s->strain));
+  PetscCall(PetscMalloc1(s->all + 1, &s->rate));
+  for (PetscInt c = 0; c < s->all; c++) {
     PetscReal *E = &s->strain[c * d * d], G[STRAIN_TENSOR] = {0.0}, square = 0.0;
 
     for (PetscInt a = 0; a < d; a++) {
@@ -59,7 +59,7 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
 {
   const PetscInt d = p->dim;
 
-  for (PetscInt c = 0; c < s->n; c++) {
+  for (PetscInt c = 0; c < s->all; c++) {
     for (PetscInt a = 0; a < d; a++) {
       const PetscInt q = s->sets == 1 ? 0 : a;
 
@@ -79,7 +79,7 @@ static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
    strains; not collective */
 void StrainRheology(const Scene *scene, StrainCells *s)
 {
-  for (PetscInt c = 0; c < s->n; c++) {
+  for (PetscInt c = 0; c < s->all; c++) {
     const FluidPlace at = RheologyAt(scene, s->centre, c);
 
     s->nu[c] = RheologyViscosity(&scene->rheology, &at, s->rate[c]);
@@ -159,6 +159,7 @@ void StrainViscosities(const Scene *scene, const Particles *p, StrainCells *s)
     s->nu[c] = varies ? FittedViscosity(p, s, c) : SceneFluidViscosity(scene, s->fluid[c], NULL);
     if (s->nu[c] <= 0.0) s->nu[c] = SceneFluidViscosity(scene, s->fluid[c], NULL);
   }
+  for (PetscInt c = s->n; c < s->all; c++) s->nu[c] = s->nu[s->beside[c]];
 }
 
 /* StrainSpread - Sets the viscosities of particles to means over their cells; collective */
@@ -172,6 +173,7 @@ PetscErrorCode StrainSpread(Particles *p, const StrainCells *s)
       const PetscInt c  = s->cell[0][k];
       PetscReal      r2 = 0.0, W;
 
+      if (c >= s->n) continue;
       for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][i] - s->centre[a][c]);
       W = s->volume[c] * PetscExpReal(-4.0 * r2 / PetscSqr(p->dx[i]));
       sum += W * PetscLogReal(s->nu[c]);

@@ -15,7 +15,7 @@ static void AddViscous(const Particles *p, const StrainCells *s, PetscReal rho, 
 {
   const PetscInt d = p->dim;
 
-  for (PetscInt c = 0; c < s->n; c++) {
+  for (PetscInt c = 0; c < s->all; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
     if (!StrainHasCell(p, s, c, x)) continue;

@@ -63,7 +63,7 @@ PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *p, PetscReal
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = velocity[a];
       u[a][k]    = velocity[a] + projection_factor * step * p->normal[a][i];
-      if (BoundaryVelocityEquation(scene, side, a) != EQUATION_VALUE) u[a][k] = 0.0;
+      if (BoundaryVelocityEquation(scene, side, a) == EQUATION_NORMAL_DERIVATIVE) u[a][k] = 0.0;
       normal[a] = p->normal[a][i];
     }
     bound              = SceneWallSpeedBound(scene, side, x, normal, velocity);
