@@ -102,6 +102,8 @@ struct StrainCells {
   /* force on component b for a unit of one along axis a, at [a dim + b], over the density of fluid
      0: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
   PetscReal *weight[STRAIN_TENSOR];
+  PetscBool *apart;   /* own fluid particles that no cell has; NULL: not known */
+  PetscReal  astray;  /* volume of pieces of the fluid beyond that of their particles [m^dim] */
   PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
   PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
   StrainList list[2]; /* fluid, walls */

@@ -1,12 +1,13 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. The volume inside the surface
-   is that of the strain cells. The reference is the sum of the volumes of the particles, which
-   never change. */
+   is that of the strain cells, which is always that of all particles. So the part of it is left out
+   that is in other pieces of the fluid than its particles: drops that swell at the cost of others,
+   and for single particles outside. */
 #include "isph/balance.h"
 #include "isph/strain.h"
 #include "monitors.h"
 
-/* Computes the volume inside the free surface [m^dim]. Collective. Output: volume -
-   of the cells; mass - sum of the volumes of the particles, its reference. */
+/* Computes the volume inside the free surface [m^dim]. Collective. Output: volume - of the cells
+   that is of their particles; mass - sum of the volumes of the particles, its reference. */
 static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const Particles   *p     = flow->particles;
@@ -20,6 +21,7 @@ static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal
     if (StrainHasCell(p, cells, c, x)) sum += cells->volume[c];
   }
   PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  *volume -= cells->astray;
   *mass = p->weight * p->cell_volume;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /* The motion of particles: with the flow (gradedmotion.c: along its streamlines), and by a small
    shift that keeps them evenly spread. Taylor series give the change of their fields. */
 #include "isph/motion.h"
+#include "isph/strain.h"
 
 #define PASSES    0.5 /* distance from a side below which a particle passes it [dx_i] */
 #define CLEARANCE 0.3 /* least distance of particles from walls [dx_i] */
@@ -205,6 +206,19 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Stops a particle without strain cells, on which no wall acts, where a wall keeps it off. Input:
+   off - displacement by the wall [m]. Output: change - of the velocity [m/s]. */
+static void StopAtWall(const Particles *p, PetscInt i, const PetscReal off[], PetscReal change[])
+{
+  PetscReal size = 0.0, into = 0.0;
+
+  for (PetscInt a = 0; a < p->dim; a++) {
+    size += PetscSqr(off[a]);
+    into += p->u[a][i] * off[a];
+  }
+  for (PetscInt a = 0; a < p->dim && into < 0.0; a++) change[a] -= into / size * off[a];
+}
+
 /* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
    flow [dx_i], or [edges of the cell]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved,
@@ -227,7 +241,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
     PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
-    PetscReal slip[ISPH_MAX_DIM];
+    PetscReal slip[ISPH_MAX_DIM], off[ISPH_MAX_DIM];
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
@@ -241,8 +255,11 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       x[a] = p->x[a][i] + flown[a] + shift[a];
       d2 += PetscSqr(ParticlesStretch(p, a, i) * flown[a]);
     }
+    for (PetscInt a = 0; a < scene->dim; a++) off[a] = -x[a];
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
     else SceneKeepOffWalls(scene, clock->t, CLEARANCE * p->dx[i], x);
+    for (PetscInt a = 0; a < scene->dim; a++) off[a] += x[a];
+    if (flow->ops->cut_surface && flow->ops->strain->apart[i]) StopAtWall(p, i, off, change);
     for (PetscInt a = 0; a < scene->dim; a++) {
       path[a]  = x[a] - p->x[a][i];
       shift[a] = path[a] - flown[a];

@@ -127,6 +127,10 @@ PetscErrorCode StrainLayer(PetscInt dim, const StrainPoints *points, const Facet
                            StrainCells *cells);
 PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
 
+/* strainpieces.c */
+PetscErrorCode StrainShares(const Scene *scene, const Particles *p, StrainCells *cells,
+                            PetscReal share[]);
+
 /* strainsurface.c */
 PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt fluid,
                               PetscBool between, PetscReal tension, StrainSurface *surface);

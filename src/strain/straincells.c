@@ -519,7 +519,7 @@ PetscErrorCode StrainDestroy(StrainCells **cells)
   PetscCall(PetscFree(s->surface.depth));
   PetscCall(StrainBlocksFree(&s->flux));
   for (PetscInt k = 0; k < STRAIN_TENSOR; k++) PetscCall(PetscFree(s->weight[k]));
-  PetscCall(FreeAll(&s->strain, &s->rate));
+  PetscCall(FreeAll(&s->apart, &s->strain, &s->rate));
   for (PetscInt q = 0; q < ISPH_MAX_DIM; q++) {
     PetscCall(FreeAll(&s->centre[q], &s->mass[q], &s->first[q], &s->j[q]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) PetscCall(PetscFree(s->g[q][b]));

@@ -290,19 +290,23 @@ static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *fac
   StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
   there, and the weights of the rows, on which body forces act,
 
-    (w_i)_ab = sum_c r_c sum over its facets f of (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
+    (w_i)_ab = sum_c r_c s_c sum_f (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
 
-  with the density r_c of its fluid over that of fluid 0. Not collective. The gradient of a linear
-  pressure in each fluid that vanishes on the surface then balances a uniform force.
+  over facets f of c, with the density r_c of its fluid over that of fluid 0, and the volume s_c of
+  the particles of its piece over that of the cells there. A particle without cells has the weight
+  of its own volume. Collective. The gradient of a linear pressure in each fluid that vanishes on
+  the surface then balances a uniform force, and pieces of the fluid fall as their particles do.
 */
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
                             const Facets *facets, StrainCells *s)
 {
   const PetscInt d = p->dim;
   PetscInt      *place;
+  PetscReal     *share;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(ParticlesAll(p), &place));
+  PetscCall(PetscMalloc2(ParticlesAll(p), &place, s->n + 1, &share));
+  PetscCall(StrainShares(scene, p, s, share));
   for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
   for (PetscInt k = 0; k < d * d; k++) {
     PetscCall(PetscFree(s->weight[k]));
@@ -316,13 +320,16 @@ PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const Strain
     for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
       const PetscInt v = facets->facet[k].point - s->surface.first;
 
-      AddWeights(p, points, s, &facets->facet[k], c, SceneFluidDensity(scene, s->fluid[c]), own,
-                 s->weight);
+      AddWeights(p, points, s, &facets->facet[k], c,
+                 SceneFluidDensity(scene, s->fluid[c]) * share[c], own, s->weight);
       if (v >= 0 && s->surface.on_level[v])
         PetscCall(AddFlux(d, s, &facets->facet[k], c, place, &s->flux));
     }
     EndBlocks(c, &s->flux, place);
   }
-  PetscCall(PetscFree(place));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    for (PetscInt a = 0; a < d && s->apart[i]; a++)
+      s->weight[a * d + a][i] += s->mass[s->sets == 1 ? 0 : a][i];
+  PetscCall(PetscFree2(place, share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
