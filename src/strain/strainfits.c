@@ -301,7 +301,8 @@ static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, S
 }
 
 /* Adds the row of the velocity on a wall at x: the linear fit of the particles of the same wall
-   around x. Input: list - the particles around x. */
+   around x, whose weights vanish a tenth beyond the last of 2 dim: on a lattice several are as far
+   as that. Input: list - the particles around x. */
 static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], PetscInt side,
                                  PetscInt n, const PetscInt list[], StrainRows *rows)
 {
@@ -309,7 +310,8 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   const PetscInt   d = p->dim, terms = d + 1;
   Around           around = {.dim = p->dim};
   Candidates       from   = {.n = 0};
-  PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, w[2 * ISPH_MAX_DIM], sum = 0.0, R2;
+  PetscReal        M[16] = {0.0}, factor[16], c[4] = {1.0}, w[FIT_ROOM], sum = 0.0, R2;
+  PetscInt         near = 0;
 
   PetscFunctionBegin;
   for (PetscInt pass = 0; pass < 2 && !from.n; pass++) { /* dry walls if there are no others */
@@ -323,10 +325,10 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
     }
   }
   FindAround(&from, x, PETSC_INFINITY, &around);
-  if (around.n > 2 * d) around.n = 2 * d;
-  R2 = around.n ? 1.2 * around.r2[around.at[around.n - 1]] : 0.0;
+  R2 = around.n ? 1.2 * around.r2[around.at[PetscMin(around.n, 2 * d) - 1]] : 0.0;
   R2 = PetscMax(R2, PETSC_SMALL * PetscSqr(p->dx[0])); /* a single wall may be at the place */
-  for (PetscInt i = 0; i < around.n; i++) {
+  while (near < around.n && around.r2[around.at[near]] < R2) near++;
+  for (PetscInt i = 0; i < near; i++) {
     const PetscInt  k = around.at[i];
     const PetscReal W = 1.0 - around.r2[k] / R2;
 
@@ -337,7 +339,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
   }
   DenseCholeskyRidge(terms, M, WALL_RIDGE, factor);
   DenseCholeskySolve(terms, factor, c);
-  for (PetscInt i = 0; i < around.n; i++) {
+  for (PetscInt i = 0; i < near; i++) {
     const PetscInt k = around.at[i];
 
     w[i] = c[0];
@@ -345,7 +347,7 @@ static PetscErrorCode AddWallRow(const StrainFits *f, const PetscReal x[], Petsc
     w[i] *= 1.0 - around.r2[k] / R2;
     sum += w[i];
   }
-  for (PetscInt i = 0; i < around.n; i++) /* a single wall has a slope by the ridge: sums are 1 */
+  for (PetscInt i = 0; i < near; i++) /* a single wall has a slope by the ridge: sums are 1 */
     PetscCall(AddEntry(around.j[around.at[i]], w[i] / sum, rows));
   PetscCall(EndRow(rows));
   PetscFunctionReturn(PETSC_SUCCESS);
