@@ -10,7 +10,7 @@ const BalanceRow BalanceRows[BALANCES] = {
             .name  = "fluid_volume",
             .brief = "volume inside the free surface, against that of the particles",
             .what  = "volume not kept: the free surface encloses another volume than the particles",
-            .remedy = "try a larger -n; no -n or -dt prevents gaps where parts of the fluid meet",
+            .remedy = "single particles and small drops have too little of it; try a larger -n",
             .bound  = 0.02,
         },
     [BALANCE_MASS] =
