@@ -207,12 +207,15 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 }
 
 /* Stops a particle without strain cells, on which no wall acts, where a wall keeps it off. Input:
-   off - displacement by the wall [m]. Output: change - of the velocity [m/s]. */
-static void StopAtWall(const Particles *p, PetscInt i, const PetscReal off[], PetscReal change[])
+   x - its place there; flown, shift - its displacement without the wall [m]. Output: change - of
+   the velocity [m/s]. */
+static void StopAtWall(const Particles *p, PetscInt i, const PetscReal x[], const PetscReal flown[],
+                       const PetscReal shift[], PetscReal change[])
 {
-  PetscReal size = 0.0, into = 0.0;
+  PetscReal off[ISPH_MAX_DIM], size = 0.0, into = 0.0;
 
   for (PetscInt a = 0; a < p->dim; a++) {
+    off[a] = x[a] - (p->x[a][i] + flown[a] + shift[a]);
     size += PetscSqr(off[a]);
     into += p->u[a][i] * off[a];
   }
@@ -241,7 +244,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
     PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
-    PetscReal slip[ISPH_MAX_DIM], off[ISPH_MAX_DIM];
+    PetscReal slip[ISPH_MAX_DIM];
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
@@ -255,11 +258,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       x[a] = p->x[a][i] + flown[a] + shift[a];
       d2 += PetscSqr(ParticlesStretch(p, a, i) * flown[a]);
     }
-    for (PetscInt a = 0; a < scene->dim; a++) off[a] = -x[a];
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
     else SceneKeepOffWalls(scene, clock->t, CLEARANCE * p->dx[i], x);
-    for (PetscInt a = 0; a < scene->dim; a++) off[a] += x[a];
-    if (flow->ops->cut_surface && flow->ops->strain->apart[i]) StopAtWall(p, i, off, change);
+    if (flow->ops->cut_surface && flow->ops->strain->apart[i])
+      StopAtWall(p, i, x, flown, shift, change);
     for (PetscInt a = 0; a < scene->dim; a++) {
       path[a]  = x[a] - p->x[a][i];
       shift[a] = path[a] - flown[a];

@@ -4,7 +4,7 @@
 
     u.n = 0,   n.grad u_t = 0,   or   mu n.grad u_t = mu (u_t - U)/l,   n.grad p = rho n.f
 
-  The traction of a wall is that of a layer of cells, see StrainLayers in src/strain/straincells.c.
+  The traction of a wall is that of a layer of cells, see AddLayers() in src/strain/straincells.c.
 */
 #include "isph/scene.h"
 

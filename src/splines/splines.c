@@ -292,9 +292,8 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers the splines for the present boxes of the ranks, and assembles all that
-   does not depend on the particles. Collective. Does nothing unless the box of a rank has
-   changed. */
+/* Numbers the splines for the present boxes of the ranks, and assembles all that does not depend on
+   the particles. Collective. Does nothing unless the box of a rank has changed. */
 static PetscErrorCode NumberSplines(const Particles *p, Splines *s)
 {
   int         old = s->K ? 1 : 0;

@@ -205,27 +205,24 @@ PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the jumps of the pressure to the values of particles. */
-static PetscErrorCode AddJumps(Flow *flow, Splines *s, Vec p)
+/* Adds a sum of splines to the values at own particles of a fluid; fluid -1: of all. Collective. */
+static PetscErrorCode AddIn(const Particles *particles, Splines *s, Vec coefficients,
+                            PetscInt fluid, Vec to)
 {
-  const Particles   *particles = flow->particles;
-  const PetscScalar *jump;
-  PetscScalar       *to;
+  const PetscScalar *from;
+  PetscScalar       *sum;
   Vec                value;
 
   PetscFunctionBegin;
-  if (!s->n_jumps) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FlowGetWork(flow, &value));
-  for (PetscInt f = 0; f < s->n_jumps; f++) {
-    PetscCall(SplinesValue(s, s->jumps[f], value));
-    PetscCall(VecGetArrayRead(value, &jump));
-    PetscCall(VecGetArray(p, &to));
-    for (PetscInt i = 0; i < particles->n_fluid; i++)
-      if ((PetscInt)particles->fluid[i] == f + 1) to[i] += jump[i];
-    PetscCall(VecRestoreArray(p, &to));
-    PetscCall(VecRestoreArrayRead(value, &jump));
-  }
-  PetscCall(FlowRestoreWork(flow, &value));
+  PetscCall(VecDuplicate(to, &value));
+  PetscCall(SplinesValue(s, coefficients, value));
+  PetscCall(VecGetArrayRead(value, &from));
+  PetscCall(VecGetArray(to, &sum));
+  for (PetscInt i = 0; i < particles->n_fluid; i++)
+    if (fluid < 0 || (PetscInt)particles->fluid[i] == fluid) sum[i] += from[i];
+  PetscCall(VecRestoreArray(to, &sum));
+  PetscCall(VecRestoreArrayRead(value, &from));
+  PetscCall(VecDestroy(&value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,33 +230,26 @@ static PetscErrorCode AddJumps(Flow *flow, Splines *s, Vec p)
    splinelayer.c; collective */
 PetscErrorCode SplinesLayerStress(const Flow *flow, Splines *s, Vec *stress)
 {
-  const Particles   *particles = flow->particles;
-  const PetscScalar *layer, *from;
+  const PetscScalar *layer;
   PetscScalar       *to;
-  Vec                all, part, value;
+  Vec                all, part;
 
   PetscFunctionBegin;
   PetscCall(VecDuplicate(s->all, &all));
   PetscCall(VecSet(all, 0.0));
   PetscCall(SplineLayerSet(s, 0.0, all));
   PetscCall(VecDuplicate(s->p, &part));
-  PetscCall(VecDuplicate(flow->state->p, &value));
   PetscCall(VecDuplicate(flow->state->p, stress));
+  PetscCall(VecSet(*stress, 0.0));
   for (PetscInt f = 0; f < s->fluids; f++) {
     PetscCall(VecGetArrayRead(all, &layer));
     PetscCall(VecGetArray(part, &to));
     PetscCall(PetscArraycpy(to, layer + f * s->own.size, s->own.size));
     PetscCall(VecRestoreArray(part, &to));
     PetscCall(VecRestoreArrayRead(all, &layer));
-    PetscCall(SplinesValue(s, part, value));
-    PetscCall(VecGetArrayRead(value, &from));
-    PetscCall(VecGetArray(*stress, &to));
-    for (PetscInt i = 0; i < particles->n_fluid; i++)
-      if (s->fluids == 1 || (PetscInt)particles->fluid[i] == f) to[i] = from[i];
-    PetscCall(VecRestoreArray(*stress, &to));
-    PetscCall(VecRestoreArrayRead(value, &from));
+    PetscCall(AddIn(flow->particles, s, part, s->fluids == 1 ? -1 : f, *stress));
   }
-  PetscCall(VecDestroyAll(&all, &part, &value));
+  PetscCall(VecDestroyAll(&all, &part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,7 +320,8 @@ PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
 
   PetscFunctionBegin;
   PetscCall(SplinesValue(s, s->p, state->p));
-  PetscCall(AddJumps(flow, s, state->p));
+  for (PetscInt f = 0; f < s->n_jumps; f++)
+    PetscCall(AddIn(flow->particles, s, s->jumps[f], f + 1, state->p));
   if (ScenePressureFloats(flow->scene)) {
     PetscCall(FluidSum(flow->particles, state->p, PETSC_FALSE, &sum));
     PetscCall(VecShift(s->p, -sum / flow->particles->weight));
