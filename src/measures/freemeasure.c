@@ -53,7 +53,7 @@ const MonitorKind MonitorVolume = {
     .name = "volume", .header = "volume,error", .Prepare = PrepareVolume, .Write = WriteVolume};
 
 /* Adds mass, first moments, momentum and angular momentum of own particles to the sums; extends
-   [-x_min, x_max, -y_min, ...] of the fluid. */
+   [-x_min, x_max, -y_min, ...] of the fluid, but not to single particles outside its surface. */
 static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
                        PetscReal extent[])
 {
@@ -70,6 +70,7 @@ static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal
       sum[1 + a] += m * p->x[a][i];
       sum[4 + a] += m * (PetscReal)PetscRealPart(u[a][i]);
       sum[7 + a] += m * PetscRealPart(p->x[a][i] * u[b][i] - p->x[b][i] * u[a][i]);
+      if (flow->ops->cut_surface && flow->ops->strain->apart[i]) continue;
       extent[2 * a]     = PetscMax(extent[2 * a], -p->x[a][i]);
       extent[2 * a + 1] = PetscMax(extent[2 * a + 1], p->x[a][i]);
     }
@@ -90,8 +91,8 @@ static void AddSurface(PetscInt d, const StrainSurface *surface, PetscReal exten
   MeasureFree - Computes the quantities of fluids with a free surface
 
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
-    sign, per metre of depth; x_min, x_max, y_min, ...: where the surface or the outermost particles
-    are [m]; fluid_volume, inside the surface, its reference the volume of the particles [m^dim]
+    sign, per metre of depth; x_min, x_max, y_min, ...: of the surface and the particles in it,
+    without a surface of all particles [m]; fluid_volume, inside the surface, its reference the volume of the particles [m^dim]
 
   Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
   and is left out.
