@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt  # noqa: E402 (after the choice of the backend)
 from matplotlib import tri  # noqa: E402
 from runs import Runs  # noqa: E402
 
-COLOURS = {"SPH": "#D55E00", "CPH": "#009E73", "FPH": "#0072B2", "projection": "#CC79A7", "coupled": "#E69F00"}
+COLOURS = {"SPH": "#D55E00", "CPH": "#009E73", "FPH": "#0072B2", "coupled": "#E69F00"}
 HOLE = 2.0  # radius of the least empty circle that is a hole [dx]
 CLOSE = 0.3  # distance of particles that are clumps [dx]
 
@@ -33,6 +33,30 @@ def disc(m):
 def square(m):
     """Returns (2m + 1)^2 points of spacing 1/m in a square of half-side 1."""
     return [(i / m, j / m) for j in range(-m, m + 1) for i in range(-m, m + 1)]
+
+
+def stretching_drop(times, steps=2000):
+    """Returns semi-axes and pressure at the centre at ascending times: da/dt = -A a, db/dt = A b, dA/dt = A^2 (a^2 -
+    b^2)/(a^2 + b^2), p = A^2 a^2 b^2/(a^2 + b^2), from A = a = b = 1, by the fourth-order Runge-Kutta method."""
+    def slope(y):
+        a, b, rate = y
+        return -rate * a, rate * b, rate**2 * (a * a - b * b) / (a * a + b * b)
+
+    def moved(y, k, dt):
+        return [value + dt * change for value, change in zip(y, k)]
+
+    y, t, found = [1.0, 1.0, 1.0], 0.0, []
+    for end in times:
+        dt = (end - t) / steps
+        for _ in range(steps):
+            k1 = slope(y)
+            k2 = slope(moved(y, k1, dt / 2))
+            k3 = slope(moved(y, k2, dt / 2))
+            k4 = slope(moved(y, k3, dt))
+            y = [value + dt / 6 * (p + 2 * q + 2 * r + s) for value, p, q, r, s in zip(y, k1, k2, k3, k4)]
+        t, (a, b, rate) = end, y
+        found.append({"a": a, "b": b, "p": rate**2 * a * a * b * b / (a * a + b * b)})
+    return found
 
 
 def read(path):
