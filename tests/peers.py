@@ -27,6 +27,6 @@ for row in rows_of("peers", "isph -case taylor_green -reynolds 100 -t_end 1 -n 1
     assert 0 < float(row[7].removesuffix(" %")) < 3, f"Taylor-Green vortices: {row}"
 for row in (row for row in rows_of("peers", "-n 10 -motion eulerian", "| isph, fixed") if row[2] == "10"):
     assert 0 < float(row[7].removesuffix(" %")) < 0.8, f"channel from rest: {row}"
-for row in rows_of("peers_free", "-n 8 -dt 5e-3", "| isph, "):
+for row in rows_of("peers_free", "-n 8 -dt 1e-2", "| isph, "):
     error, rate = (float(cell.removesuffix(" %")) for cell in row[7:9])
     assert 0 < error < 5 and abs(rate) < 2, f"mode 2 of a drop: {row}"
