@@ -92,10 +92,11 @@ static void AddSurface(PetscInt d, const StrainSurface *surface, PetscReal exten
 
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
     sign, per metre of depth; x_min, x_max, y_min, ...: of the surface and the particles in it,
-    without a surface of all particles [m]; fluid_volume, inside the surface, its reference the volume of the particles [m^dim]
+    without a surface of all particles [m]; fluid_volume, inside the surface, its reference the
+    volume of the particles [m^dim]
 
-  Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
-  and is left out.
+  Collective. Nothing without a free surface. In a periodic box the angular momentum, and the
+  extents along a periodic direction, have no meaning and are left out.
 */
 PetscErrorCode MeasureFree(const Flow *flow, Report *report)
 {
@@ -127,6 +128,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   if (!periodic)
     PetscCall(ReportAdd(report, "angular_momentum", d == 2 ? L[0] : PetscSqrtReal(size)));
   for (PetscInt e = 0; e < 2 * d; e++) {
+    if (SceneIsPeriodic(flow->scene, e / 2)) continue;
     PetscCall(PetscSNPrintf(name, sizeof(name), "%c_%s", "xyz"[e / 2], e % 2 ? "max" : "min"));
     PetscCall(ReportAdd(report, name, e % 2 ? extent[e] : -extent[e]));
   }
