@@ -16,7 +16,7 @@ empty directory, which has options/, studies/ and cases/ of the source tree, and
 test.
 
 Short variants: with `run` each flow ends after two steps (four if it is a restart), no progress is printed,
-tolerances (-check_...) are not tested, and studies vary two values. Programs that build, install or take hours (cmake, quickstart, check, and all
+tolerances (-check_...) are not tested, studies vary two values, and pictures in 3D are small. Programs that build, install or take hours (cmake, quickstart, check, and all
 studies except `plot` and `isph-study`) only have to exist. If no Python can draw, commands that draw are skipped with a
 message.
 
@@ -364,6 +364,8 @@ class Place:
                 script(there, EXISTS)
             elif os.path.isfile(path):
                 shutil.copy2(path, there)
+                if name == "balls.py" and not full:  # small pictures
+                    script(there, read("studies/balls.py").replace("pixels=800", "pixels=100"))
         script(os.path.join(self.path, ".bin", "isph-study"), STUDY.replace("@SHORT@", "" if full else "short"))
         for name in "quickstart", "check":
             if os.path.exists(os.path.join(ROOT, name)):

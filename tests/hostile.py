@@ -115,12 +115,12 @@ def full():
     refused("the file cannot be written", "-ppe_ksp_view", "ascii:/dev/full")
     with open("/dev/full", "w", encoding="utf-8") as disk:
         refused("standard output cannot be written", stdout=disk)
-    # 122,500 particles take 8 MB in a checkpoint; Open MPI needs files of 4 MB
-    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000000, 6000000))}
-    refused("cannot be written, or the disk is full", "-n", "350", "-checkpoint", "c.h5", **limit)
+    # 78,400 particles take 5 MB in a checkpoint; Open MPI needs files of 4 MB
+    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4500000, 4500000))}
+    refused("cannot be written, or the disk is full", "-n", "280", "-checkpoint", "c.h5", **limit)
     refused("-n 1000000: allowed is 4 to 100000", "-n", "1000000")
     if not sanitized(ISPH):
-        refused("cannot write", "-n", "350", "-output", "s.h5", **limit)
+        refused("cannot write", "-n", "280", "-output", "s.h5", **limit)
         # a million particles take 2 GB, which the machine has and the process may not take
         limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (700 << 20, 700 << 20))}
         assert refused("there is too little memory: use a smaller -n, or more nodes", "-n", "1000", **limit) == 55

@@ -39,11 +39,11 @@ def flight(isph):
           end["linear_momentum"] - start["linear_momentum"])
     for moment in ("angular_momentum", "linear_momentum"):
         assert abs(end[moment] - start[moment]) < 1e-9, moment
-    # Within 0.6 %, and 0.1 % of the energy, after two radians.
-    start, end = (report(isph, square + "-n 40 " + more) for more in ("-max_steps 1", ""))
+    # Within 1.6 %, and 0.3 % of the energy, after two radians; of second order: 0.6 and 0.1 % with 40 particles a side.
+    start, end = (report(isph, square + "-n 24 " + more) for more in ("-max_steps 1", ""))
     turned, energy = (end[q] / start[q] - 1 for q in ("angular_momentum", "kinetic_energy"))
     print("square, moving", turned, energy, end["linear_momentum"])
-    assert abs(turned) < 0.01 and abs(energy) < 0.005 and end["linear_momentum"] < 1e-4
+    assert abs(turned) < 0.025 and abs(energy) < 0.015 and end["linear_momentum"] < 1e-4
 
 
 def compressible(isph):

@@ -120,8 +120,7 @@ def main():
     # this velocity errs by 1.6 % (0.3 % at 10 dx), and is the same beside both cylinders.
     run("-case", "scene", "-scene_box", "-1.45,-1.45,1.45,1.45", "-scene_body_1", "circle,0.3,0,0.3", "-scene_body_1_rotation",
         "1/0.3", "-scene_domain", "circle,0,0,1", "-reynolds", "0.05", "-motion", "eulerian",
-        "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces", "-probe_bodies", "-report", "report.csv",
-        alone=False)
+        "-n", "16", "-dt", "0.002", "-t_end", "0.05", "-pressure_points", "coarse", "-probe_forces", "-probe_bodies", "-report", "report.csv")
     forces, mu = rows("probe_forces.csv"), 20
     for row in rows("probe_bodies.csv")[-2:]:
         wall = last(forces, wall="body_1" if row["body"] == 1 else "domain")
@@ -178,7 +177,7 @@ def main():
     # Archimedes: a cylinder half below the surface bears the weight of the fluid in its place, within 2 % (measured: 0.3 to
     # 1.0 %, three seeds at n = 20 and 40). With the dry half it is 30 % off.
     run("-case", "scene", "-n", "20", "-scene_filled_1", "box,-1,-1,2,0.5", "-scene_body_1", "circle,0.5,0.5,0.2",
-        "-body_force", "0,-1", "-viscosity", "0.1", "-dt", "5e-3", "-t_end", "0.5", "-probe_forces", "-probe_every", "0.5")
+        "-body_force", "0,-1", "-viscosity", "0.1", "-dt", "1e-2", "-t_end", "0.5", "-probe_forces", "-probe_every", "0.5")
     weight = 0.5 * math.pi * 0.2**2
     close(last(rows("probe_forces.csv"), wall="body_1")["fy"], weight, 0.02 * weight)
 

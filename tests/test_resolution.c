@@ -2,7 +2,7 @@
   The estimated error of the velocity: the gradients of its two fits are exact for polynomials of
   their degree, beside every kind of wall, and have closed forms on a lattice.
 */
-/* RANKS: 1 3 */
+/* RANKS: 1 2 */
 #include "cloud.h"
 #include "isph/schemes.h"
 #include "isph/io.h"

@@ -3,7 +3,7 @@
   a row uses radius, volume and scale of its particle, means are weighted by volume, and rows of the
   coupled system have the units of their particle. No Laplacian is symmetric.
 */
-/* RANKS: 1 3 */
+/* RANKS: 1 2 */
 #include "isph/start.h"
 #include "crowd.h"
 #include "../src/schemes/coupled/saddle.h"

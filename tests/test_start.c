@@ -2,7 +2,7 @@
   Particles read from a file: each rank reads its share, rows of walls are skipped, velocities stay
   with their positions, and an invalid file is refused with the row and the reason.
 */
-/* RANKS: 1 3 */
+/* RANKS: 1 2 */
 #include <string.h>
 #include "isph/start.h"
 #include "cloud.h"
