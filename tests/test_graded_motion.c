@@ -3,7 +3,7 @@
   mixes the box, their sizes follow the place on all ranks, and rows of neighbours stay complete
   although radii change.
 */
-/* RANKS: 1 2 */
+/* RANKS: 2 */
 #include "isph/start.h"
 #include "crowd.h"
 

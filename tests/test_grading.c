@@ -2,7 +2,7 @@
   Isotropic grading (-spacing, -spacing_growth): the spacing as a function of place, and the cloud
   of particles relaxed to it: distances, numbers of neighbours, ordered rows along walls, volumes.
 */
-/* RANKS: 1 2 */
+/* RANKS: 2 */
 #include "isph/start.h"
 #include "crowd.h"
 

@@ -2,7 +2,7 @@
   Products of operators by their rows are those of their matrices; the matrix of a solver is
   shift I + scale A; fits in a batch are those of single particles; sums of matrices are PETSc's.
 */
-/* RANKS: 1 2 */
+/* RANKS: 2 */
 #include "rows/assembly.h"
 #include "rows/rows.h"
 #include "isph/operators.h"

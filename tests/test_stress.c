@@ -3,7 +3,7 @@
   clouds with a free surface: a form has the properties that it declares and no others, rigid
   motions have no force, and all eigenvalues damp.
 */
-/* RANKS: 1 2 */
+/* RANKS: 2 */
 #include "cloud.h"
 
 /* Sets y to component c of the viscous operator applied to the velocity u. */
