@@ -225,7 +225,7 @@ static void test_closest(void **state)
 
   (void)state;
   MakeScene(PETSC_FALSE, PETSC_FALSE, &scene);
-  for (PetscInt wrong = 0; wrong < 3; wrong++) {
+  for (PetscInt wrong = 0; wrong < 4; wrong++) {
     FluidStart     start;
     Given          given = GivenLattice();
     Particles     *p;
@@ -240,12 +240,16 @@ static void test_closest(void **state)
     assert_int_equal(ParticlesFill(&scene, walls, &start, p), 0);
     assert_int_equal(NeighborsCreate(0.5, scene.dx, &nb), 0);
     if (wrong < 2) p->N_lattice = ROWS; /* as if they filled the box, which has room for 25 */
+    if (wrong == 3) { /* as if they had half of the volume of a region that they fill */
+      p->weight *= 2.0 * ROWS * SceneVolumeAt(&scene, given.x[0]) / (p->weight * p->cell_volume);
+      scene.n_filled = 1;
+    }
     assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), 0);
     code = StartCheck(&scene, "closest.h5", p, nb);
     assert_int_equal(PetscPopErrorHandler(), 0);
     assert_int_equal(code ? 1 : 0, wrong ? 1 : 0);
     if (wrong == 1) assert_non_null(strstr(message, "0.005 dx apart"));
-    if (wrong == 2) assert_non_null(strstr(message, "times the volume of the fluid"));
+    if (wrong >= 2) assert_non_null(strstr(message, "times the volume of the fluid"));
     assert_int_equal(NeighborsDestroy(&nb), 0);
     assert_int_equal(StartFree(&start), 0);
     assert_int_equal(ParticlesDestroy(&p), 0);

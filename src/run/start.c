@@ -5,6 +5,7 @@
 
 #define START_CLOSEST 0.01 /* least distance of two particles, for fits to be meaningful [dx] */
 #define VOLUME_ERROR  0.01 /* of the particles of a file in a full box, relative [-] */
+#define FILLED_MOST   1.5  /* factor in the number of particles of a file in filled regions [-] */
 #define VOLUME_ERROR_BODIES                                                                        \
   0.05 /* the same with bodies, about which lattices have parts of cells */
 
@@ -174,20 +175,24 @@ PetscErrorCode StartFree(FluidStart *start)
    two particles nearly coincide. Collective on PETSC_COMM_WORLD. Every particle has the volume of a
    lattice cell, so that in a full box of equal cells their number must be that of a lattice within
    VOLUME_ERROR; beside bodies lattices differ by more. Regions that are filled share their volume
-   among the particles. */
+   among the particles, whose number must be that of a lattice within a factor FILLED_MOST. */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {
-  const PetscReal most    = scene->n_bodies ? VOLUME_ERROR_BODIES : VOLUME_ERROR;
-  const PetscReal share   = (PetscReal)p->N_fluid / (PetscReal)PetscMax(p->N_lattice, 1);
+  const PetscReal most = scene->n_bodies ? VOLUME_ERROR_BODIES : VOLUME_ERROR;
+  const PetscReal lattice =
+      scene->n_filled ? p->weight * p->cell_volume / PetscPowRealInt(scene->dx, (int)scene->dim)
+                      : (PetscReal)p->N_lattice;
+  const PetscReal share   = (PetscReal)p->N_fluid / PetscMax(lattice, 1.0);
   PetscReal       closest = PetscSqr(nb->radius / nb->spacing);
 
   PetscFunctionBegin;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(scene->n_filled || SceneIsGraded(scene) || PetscAbsReal(share - 1.0) <= most,
+  UserCheck(SceneIsGraded(scene) || PetscAbsReal(share - 1.0) <= most ||
+                (scene->n_filled && share >= 1.0 / FILLED_MOST && share <= FILLED_MOST),
             "-particles %s: its %" PetscInt_FMT
             " particles have %.3g times the volume of the fluid, for which dx = %.4g needs "
-            "%" PetscInt_FMT "; give all particles, or the -n of their spacing",
-            path, p->N_fluid, (double)share, (double)scene->dx, p->N_lattice);
+            "%.0f; give all particles, or the -n of their spacing",
+            path, p->N_fluid, (double)share, (double)scene->dx, (double)lattice);
   PetscCall(NeighborsUpdate(p, 0.0, nb));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     for (PetscInt k = nb->row[i]; k < nb->row[i + 1]; k++) {
