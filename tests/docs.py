@@ -364,8 +364,10 @@ class Place:
                 script(there, EXISTS)
             elif os.path.isfile(path):
                 shutil.copy2(path, there)
-                if name == "balls.py" and not full:  # small pictures
-                    script(there, read("studies/balls.py").replace("pixels=800", "pixels=100"))
+                if name == "plot" and not full:
+                    small = read("studies/plot").replace("400 if movie else 800", "100")
+                    assert small != read("studies/plot"), "studies/plot: no sizes of pictures in 3D"
+                    script(there, small)
         script(os.path.join(self.path, ".bin", "isph-study"), STUDY.replace("@SHORT@", "" if full else "short"))
         for name in "quickstart", "check":
             if os.path.exists(os.path.join(ROOT, name)):
