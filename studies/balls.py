@@ -1,8 +1,10 @@
 """Draws particles of space as balls of their volume, and bodies by their shapes, with light and shadows.
 
 Numpy alone: each ball writes its depth into a buffer of pixels, bodies are found by sphere tracing of their signed
-distance (J. C. Hart, Vis. Comput. 12 (1996) 527-545), and a second buffer, seen from the light, has the shadows. The VTK of
-Debian 12 draws to an X display only, which a machine without one has not."""
+distance (J. C. Hart, Vis. Comput. 12 (1996) 527-545), and a second buffer, seen from the light, has the shadows. Gravity
+points down. Bodies end at the box; where they hide fluid, their halves towards the camera are cut away. The VTK of Debian 12 draws to an X display only, which a machine without one has not."""
+import re
+
 import numpy as np
 from snapshot import Body
 
@@ -12,6 +14,8 @@ LIGHT = np.array([-0.55, 1.2, 0.75])  # to the right of the camera, up, towards 
 SHADE, AMBIENT = 0.35, 0.5  # of light in a shadow; of light that has no direction
 PART = 16384  # points whose distances are computed together
 BLOCKS = 16, 4, 1  # sides of the blocks that seek bodies together [pixels]
+HIDDEN = 0.2  # share of the fluid's pixels behind bodies that is too much
+FLAT = "ellipsoid", "capsule", "cone", "compound", "file"  # shapes of space whose numbers are no outline
 
 
 def view(azimuth, elevation):
@@ -35,7 +39,7 @@ def solid_distance(solids, x):
         return np.concatenate([solid_distance(solids, x[k : k + PART]) for k in range(0, len(x), PART)])
     nearest = np.full(len(x), np.inf)
     for shape, numbers, ends, around in solids:
-        if around:
+        if around or shape in FLAT:
             continue
         if shape == "ball":
             distance = np.linalg.norm(x - numbers[:3], axis=1) - numbers[3]
@@ -47,6 +51,25 @@ def solid_distance(solids, x):
             distance = np.maximum(outline, abs(x[:, 2] - np.mean(ends)) - (ends[1] - ends[0]) / 2)
         nearest = np.minimum(nearest, distance)
     return nearest
+
+
+def part(lo, hi, towards=None):
+    """Returns the signed distance from the box, or from its half away from the camera."""
+    def distance(x):
+        outside = np.maximum(lo - x, x - hi).max(axis=1)
+        return outside if towards is None else np.maximum(outside, (x - (lo + hi) / 2) @ towards)
+    return distance
+
+
+def upright(snapshot):
+    """Returns the axis that is up, against the body force if it is along one, and directions right, up and to the front."""
+    force = re.search(r"-body_force (\S+,\S+,\S+) -", str(snapshot.attributes.get("options", "")) + " -")
+    try:
+        force = [float(word) for word in force[1].split(",")]
+    except (TypeError, ValueError):
+        force = [0, -1, 0]
+    up = int(np.argmin(force)) if min(force) < 0 else 1
+    return up, np.roll(np.eye(3), up - 1, axis=1)
 
 
 class Buffer:
@@ -97,8 +120,11 @@ class Buffer:
         nearer = pixels & (depth > self.depth)
         self.depth[nearer], self.what[nearer], self.normal[nearer] = depth[nearer], what, normal[nearer]
 
-    def bodies(self, solids):
-        """Draws bodies. Blocks of pixels advance together as long as no body is within reach of their corners."""
+    def bodies(self, solids, room):
+        """Draws the parts of bodies in a room. Blocks of pixels advance together as long as no body is within reach of their corners."""
+        def to_solid(x):
+            return np.maximum(solid_distance(solids, x), room(x))
+
         depth = np.full([-(-n // BLOCKS[0]) for n in self.shape], self.nearest)
         for coarse, block in zip((BLOCKS[0], *BLOCKS), BLOCKS):
             x = self.points(self.nearest, block)
@@ -107,7 +133,7 @@ class Buffer:
             shape, x, hit = x.shape[:2], x.reshape(-1, 3), np.zeros(len(depth), bool)
             left = np.flatnonzero(depth > self.far)
             while len(left):
-                distance = solid_distance(solids, x[left] - (self.nearest - depth[left])[:, None] * self.axes[2]) - corner
+                distance = to_solid(x[left] - (self.nearest - depth[left])[:, None] * self.axes[2]) - corner
                 ends = distance < max(corner, 0.5 * self.pixel)
                 hit[left[ends]] = True
                 left, distance = left[~ends], distance[~ends]
@@ -118,19 +144,19 @@ class Buffer:
         normal = np.zeros_like(x)
         step = 1.5 * self.pixel
         for a, e in enumerate(np.eye(3)):
-            normal[hit, a] = solid_distance(solids, x[hit] + step * e) - solid_distance(solids, x[hit] - step * e)
+            normal[hit, a] = to_solid(x[hit] + step * e) - to_solid(x[hit] - step * e)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
         self.put(hit.reshape(self.shape), depth, SOLID, normal.reshape(*self.shape, 3))
 
-    def floor(self, lo, hi):
-        """Draws the floor of the box."""
-        if self.axes[2, 1] < 0.01:
+    def floor(self, lo, hi, up):
+        """Draws the floor of the box, across the axis `up`."""
+        if self.axes[2, up] < 0.01:
             return
         start = self.points(0.0)
-        depth = (lo[1] - start[..., 1]) / self.axes[2, 1]
+        depth = (lo[up] - start[..., up]) / self.axes[2, up]
         x = start + depth[..., None] * self.axes[2]
-        inside = np.all((x >= lo) & (x <= hi), axis=-1, where=[True, False, True])
-        self.put(inside, depth, GROUND, np.broadcast_to([0.0, 1.0, 0.0], x.shape))
+        inside = np.all((x >= lo) & (x <= hi), axis=-1, where=np.arange(3) != up)
+        self.put(inside, depth, GROUND, np.broadcast_to(np.eye(3)[up], x.shape))
 
     def edges(self, lo, hi):
         """Draws the edges of the box."""
@@ -161,15 +187,26 @@ def picture(snapshot, colours, azimuth=30, elevation=20, pixels=800):
     x, radius = snapshot.place, snapshot.radius
     lo, hi = snapshot.room_lo, snapshot.room_hi
     corners = np.array([[(lo, hi)[k >> a & 1][a] for a in range(3)] for k in range(8)])
-    axes = view(azimuth, elevation)
+    up, turn = upright(snapshot)
+    seen = view(azimuth, elevation)
+    axes = seen @ turn
+    solids = [solid for solid in snapshot.solids if not solid[3] and solid[0] not in FLAT]
+    room = part(lo, hi)
+    if solids:
+        coarse = Buffer(axes, corners, pixels // 8)
+        coarse.balls(x, radius)
+        fluid = coarse.what == BALL
+        coarse.bodies(solids, room)
+        if (coarse.what[fluid] == SOLID).mean() > HIDDEN:
+            room = part(lo, hi, seen[2] * [1, 0, 1] @ turn / np.linalg.norm(seen[2, ::2]))
     camera = Buffer(axes, corners, 2 * pixels)
-    light = Buffer(frame(LIGHT @ axes * [1, 0, 1] + [0, LIGHT[1], 0]), corners, pixels)
+    light = Buffer(frame((LIGHT @ seen * [1, 0, 1] + [0, LIGHT[1], 0]) @ turn), corners, pixels)
     for buffer in camera, light:
         buffer.balls(x, radius)
-        if any(not around for *_, around in snapshot.solids):
-            buffer.bodies(snapshot.solids)
-    if snapshot.kinds[2] == "wall":
-        camera.floor(lo, hi)
+        if solids:
+            buffer.bodies(solids, room)
+    if snapshot.attributes["boundary_kinds"].split(",")[2 * up] == "wall":
+        camera.floor(lo, hi, up)
     facing = np.clip(camera.normal @ light.axes[2], 0, 1)
     bright = AMBIENT + (1 - AMBIENT) * facing * (SHADE + (1 - SHADE) * camera.lit(light))
     image = np.ones((*camera.shape, 3))

@@ -194,6 +194,13 @@ def reference_rows(name):
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
+def redirect():
+    """Runs the program by Debian's Python if that can draw and this one cannot."""
+    debian, modules = "/usr/bin/python3", "/usr/lib/python3/dist-packages"
+    if not importlib.util.find_spec("matplotlib") and modules not in sys.path and os.path.isdir(f"{modules}/matplotlib"):
+        os.execv(debian, [debian, *sys.argv])
+
+
 def need(*modules):
     """Ends the program with a line of error if a module is missing."""
     missing = [name for name in modules if importlib.util.find_spec(name) is None]

@@ -17,7 +17,8 @@ class Body:
             self.centre, self.outer = numbers[:2], numbers[-1]
             self.inner = numbers[2] if shape == "ring" else -self.outer
         else:
-            self.corners = numbers.reshape(-1, 2)
+            corners = numbers.reshape(-1, 2)
+            self.corners = corners[(corners != np.roll(corners, 1, axis=0)).any(axis=1)]  # edges have a length
 
     def distance(self, x):
         """Returns the distance of points from the surface, positive in the fluid, and the nearest points of it."""
@@ -51,10 +52,13 @@ class Body:
         return patches.Circle(self.centre, self.outer, **style)
 
 
-class Snapshot:
-    """Particles of a plane at a time, with an interpolant of their velocity."""
+SHORT = {"p": "pressure", "nu": "viscosity", "rho": "density"}  # names of fields in expressions of isph
 
-    def __init__(self, path, box=None, length="[m]", speed="[m/s]"):
+
+class Snapshot:
+    """Particles of a plane at a time, with an interpolant of their velocity and of a field: the speed, or a scalar."""
+
+    def __init__(self, path, box=None, length="[m]", speed="[m/s]", field="speed"):
         try:
             with h5py.File(path, "r") as file:
                 x, u = file["position"][:], file["velocity"][:]
@@ -66,10 +70,13 @@ class Snapshot:
                 self.lo, self.hi = self.room_lo[:2].copy(), self.room_hi[:2].copy()
                 self.free = bool(self.attributes["free_surface"])
                 self.place, self.fluid_speed = x[self.fluid], np.linalg.norm(u[self.fluid], axis=1)
+                self.label, values = f"speed |u| {speed}", None
+                if field != "speed":
+                    self.label, values = read_scalar(file, field, self.fluid, path)
                 self.bodies, cut = self.read_bodies(file, x)
         except (OSError, KeyError) as error:
             sys.exit(f"plot: {path} is not a readable snapshot: {error}")
-        self.length, self.speed = length, speed  # units on the axes
+        self.path, self.length, self.speed = path, length, speed  # units on the axes
         self.time = float(self.attributes.get("time", 0))
         self.dim, self.dx = x.shape[1], dx
         self.radius = size[self.fluid] * (0.75 / np.pi) ** (1 / 3)  # of balls with the volume of the particles
@@ -95,6 +102,13 @@ class Snapshot:
         x, u = x[inside], u[inside, :2]
         _, distinct = np.unique(np.round(x / (1e-6 * dx)), axis=0, return_index=True)
         self.corners, self.velocity = x[distinct], u[distinct].T
+        self.fluid_values, self.values = self.fluid_speed, None
+        if values is not None:  # walls have none: they take that of the nearest fluid
+            self.fluid_values = values[self.fluid]
+            own, at_fluid = values if self.dim == 2 else values[cut], fluid[inside][distinct]
+            self.values = own[inside][distinct]
+            for k in np.flatnonzero(~at_fluid):
+                self.values[k] = self.values[at_fluid][np.argmin(((self.corners[at_fluid] - self.corners[k]) ** 2).sum(axis=1))]
 
     @functools.cached_property
     def triangles(self):
@@ -196,20 +210,29 @@ class Snapshot:
         return fluid.reshape(x.shape)
 
     def on_grid(self, box, points=600):
-        """Returns x and y of the centres of a grid of squares, `points` along the longer side, and u, v where is fluid."""
+        """Returns x and y of the centres of a grid of squares, `points` along the longer side, and where is fluid u, v, and
+        the field if it is not the speed."""
         left, right, bottom, top = box
         cell = max(right - left, top - bottom) / points
         x, y = ((np.arange(n) + 0.5) * length / n + low for low, length in ((left, right - left), (bottom, top - bottom))
                 for n in [max(2, round(length / cell))])
         grid = np.meshgrid(x, y)
         fluid = self.is_fluid(*grid)
-        values = [tri.LinearTriInterpolator(self.triangles, c)(*grid) for c in self.velocity]
+        if not fluid.any():
+            sys.exit(f"plot: {self.path}: nothing to draw, for no point of its box is fluid outside the bodies")
+        fields = [*self.velocity] if self.values is None else [*self.velocity, self.values]
+        values = [tri.LinearTriInterpolator(self.triangles, c)(*grid) for c in fields]
         gap = fluid & np.ma.getmaskarray(values[0])  # corners, where no particle is: the nearest has the value
         particles = np.column_stack([self.triangles.x, self.triangles.y])
         nearest = [np.argmin(((particles - p) ** 2).sum(axis=1)) for p in np.column_stack([c[gap] for c in grid])]
-        for value, component in zip(values, self.velocity):
+        for value, component in zip(values, fields):
             value[gap] = component[nearest]
         return x, y, *(np.ma.array(value, mask=~fluid) for value in values)
+
+    def field_on_grid(self, box):
+        """Returns x, y, u, v and the field on a grid."""
+        x, y, u, v, *field = self.on_grid(box)
+        return x, y, u, v, *(field or [np.ma.hypot(u, v)])
 
     def draw_bodies(self, axes):
         """Draws the bodies, and the solid around bodies that have the fluid inside."""
@@ -227,6 +250,16 @@ class Snapshot:
         if "reynolds" in self.attributes:
             parts.append(f"Re = {float(self.attributes['reynolds']):g}")
         return ", ".join(parts + [f"t = {self.time:g}"])
+
+
+def read_scalar(file, name, fluid, path):
+    """Returns the label and the values of a data set with a number a particle."""
+    key = name if name in file else SHORT.get(name, name)
+    scalars = [key for key, data in file.items() if getattr(data, "shape", None) == fluid.shape and key not in ("id", "type", "boundary")]
+    if key not in scalars:
+        sys.exit(f"plot: {path} has no field {name}; it has speed, {', '.join(scalars)}")
+    units = plain(file[key].attrs.get("units", b"1"))
+    return key if units == "1" else f"{key} [{units}]", file[key][:]
 
 
 def sections(shape, numbers, ends, z):

@@ -98,20 +98,26 @@ def main():
     assert len(snapshots) == 4, snapshots
     for kind, files, options, start in (("field", snapshots, [], b"\x89PNG"), ("profiles", snapshots, [], b"\x89PNG"),
                                         ("cavity", snapshots, [], b"\x89PNG"), ("animate", snapshots[-2:], [], b"GIF8"),
-                                        ("space", ["space_0001.h5"], [], b"\x89PNG"),
+                                        ("field", [snapshots[-1]], ["--field", "p"], b"\x89PNG"),
+                        ("animate", snapshots[-2:], ["--field", "vorticity"], b"GIF8"),
+                        ("space", ["space_0001.h5"], ["--field", "p"], b"\x89PNG"),
                                         ("cost", ["run.csv"], ["--quantity", "kinetic_energy", "--group", "motion"],
                                          b"\x89PNG")):
         picture = kind + (".gif" if start == b"GIF8" else ".png")
         assert not plot(kind, *files, *options, "-o", picture), picture
-        with open(picture, "rb") as file:
-            data = file.read()
-        assert data.startswith(start) and len(data) > 5000, picture
+        several = len(files) > 1 and start != b"GIF8" and kind != "cost"
+        for name in [f"{kind}_{k}.png" for k in range(len(files))] if several else [picture]:
+            with open(name, "rb") as file:
+                data = file.read()
+            assert data.startswith(start) and len(data) > 5000, name
+            os.remove(name)
 
     for arguments, told in ((["cost", "run.csv", "--quantity", "wrong"], "wrong has no error"),
                             (["cost", "run.csv", "--group", "wrong"], "wrong is no column"),
                             (["cost", snapshots[0]], "is no file of -report"),
                             (["animate", "run.csv"], "is not a readable snapshot"),
-                            (["space", "run_0000.h5"], "is a snapshot of a plane")):
+                            (["space", "run_0000.h5"], "is a snapshot of a plane"),
+                            (["field", "run_0000.h5", "--field", "T"], "has no field T; it has speed, density, pressure")):
         error = plot(*arguments, "-o", "none.gif")
         assert error.startswith("plot: ") and "\n" not in error and told in error, error
     done = subprocess.run([sys.executable, PLOT, "field", "absent.h5", "-o", "none.png"], capture_output=True, text=True, check=False)

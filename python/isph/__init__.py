@@ -12,6 +12,9 @@ import atexit
 import ctypes
 import inspect
 import itertools
+import pathlib
+import runpy
+import tempfile
 import warnings
 import weakref
 from collections import namedtuple
@@ -263,7 +266,7 @@ class Flow:
                          "error": value[2]})
 
     def write(self, path):
-        """Writes a snapshot for ParaView, path.h5."""
+        """Writes a snapshot for ParaView; the path ends in .h5."""
         self._call("WriteSnapshot", str(path).encode())
 
     def checkpoint(self, path):
@@ -271,7 +274,8 @@ class Flow:
         self._call("WriteCheckpoint", str(path).encode())
 
     def picture(self, field="speed", path=None, **style):
-        """Draws a field of this rank over x and y by matplotlib; returns the axes. path: of a file."""
+        """Draws a field of this rank over x and y by matplotlib, and with one rank the bodies, which needs h5py; returns the
+        axes. path: of a file."""
         from matplotlib import pyplot
         x, y = self["position"][:2]
         values = numpy.sqrt(sum(u * u for u in self["velocity"])) if field == "speed" else self[field]
@@ -280,10 +284,27 @@ class Flow:
         _, axes = pyplot.subplots()
         points = axes.scatter(x.copy(), y.copy(), c=values.copy(), **{"s": 30000.0 / max(len(x), 1), "lw": 0, **style})
         axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"{field}, t = {self.t:.4g} s")
-        axes.figure.colorbar(points)
+        axes.figure.colorbar(points, label=field)
+        if len(self.boundaries) > 2 * self.dim and ctypes.c_int.in_dll(lib, "PetscGlobalSize").value == 1:
+            self._draw_bodies(axes)
         if path:
             axes.figure.savefig(path, dpi=150)
         return axes
+
+    def _draw_bodies(self, axes):
+        """Draws the bodies as studies/plot does, from a snapshot."""
+        paths = [parent / folder / "snapshot.py" for parent in pathlib.Path(__file__).resolve().parents
+                 for folder in ("studies", "share/isph/studies")]
+        try:
+            module = runpy.run_path(next((str(path) for path in paths if path.is_file()), "snapshot.py"))
+        except (ImportError, OSError) as error:
+            warnings.warn(f"no bodies are drawn: {error}", stacklevel=3)
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            self.write(f"{folder}/bodies.h5")
+            snapshot = module["Snapshot"](f"{folder}/bodies.h5")
+        axes.set(xlim=snapshot.box[:2], ylim=snapshot.box[2:])
+        snapshot.draw_bodies(axes)
 
 
 @atexit.register

@@ -6,6 +6,7 @@
 #include "curves.h"
 
 #define TIGHT 1e-9 /* distance of points that are the same [extent] */
+#define JOINT 1e-8 /* distance of ends of pieces that meet; shorter pieces are none [extent] */
 #define SIDE  1e-6 /* distance at which both sides of a curve are tried [extent] */
 #define LARGE 50.0 /* largest part of a solid [extent of the whole] */
 #define STEP  1e-3 /* least step along a curve in the search of crossings [its length] */
@@ -127,7 +128,7 @@ static PetscErrorCode AddPieces(const Border *border, PetscInt k, const Curve *c
     Curve    piece;
     PetscInt way;
 
-    if ((cuts.s[q + 1] - cuts.s[q]) * c->length < TIGHT * extent) {
+    if ((cuts.s[q + 1] - cuts.s[q]) * c->length < JOINT * extent) {
       cuts.s[q + 1] = q + 2 < cuts.n ? cuts.s[q] : cuts.s[q + 1];
       continue;
     }
@@ -155,7 +156,7 @@ static PetscBool Joins(const Curve *next, PetscReal extent, Curve *c)
                     v[2] = {next->b[0] - next->a[0], next->b[1] - next->a[1]};
 
     if (PetscAbsReal(u[0] * v[1] - u[1] * v[0]) >
-            10.0 * TIGHT * extent * PetscMin(c->length, next->length) ||
+            JOINT * extent * PetscMin(c->length, next->length) ||
         u[0] * v[0] + u[1] * v[1] < 0.0)
       return PETSC_FALSE;
     *c = CurveLine(c->a, next->b);
@@ -186,9 +187,9 @@ static const char *Chain(PetscReal extent, PetscInt *count, Curve piece[])
     PetscInt         next = k;
 
     if (k > start) {
-      while (next < n && Apart(end, piece[next].a) > 10.0 * TIGHT * extent) next++;
+      while (next < n && Apart(end, piece[next].a) > JOINT * extent) next++;
       if (next == n) { /* the loop must be closed */
-        if (Apart(end, piece[start].a) > 10.0 * TIGHT * extent)
+        if (Apart(end, piece[start].a) > JOINT * extent)
           return "its parts touch along a border that does not close; move one of them a little";
         start = k;
         next  = k;
@@ -201,11 +202,11 @@ static const char *Chain(PetscReal extent, PetscInt *count, Curve piece[])
       piece[next] = other;
     }
   }
-  if (n && Apart(piece[n - 1].b, piece[start].a) > 10.0 * TIGHT * extent)
+  if (n && Apart(piece[n - 1].b, piece[start].a) > JOINT * extent)
     return "its parts touch along a border that does not close; move one of them a little";
   start = 0;
   for (PetscInt k = 0; k < n; k++) {
-    if (kept > start && Apart(piece[kept - 1].b, piece[k].a) > 10.0 * TIGHT * extent) {
+    if (kept > start && Apart(piece[kept - 1].b, piece[k].a) > JOINT * extent) {
       JoinEnds(extent, piece, start, &kept);
       start = kept;
     }

@@ -106,11 +106,8 @@ PetscErrorCode BodyCorners(const Body *body, PetscReal spacing, PetscInt *n, Pet
     PetscCall(PetscRealloc(sizeof(**x) * 2 * (size_t)(*n + o.n + 2), x));
     PetscCall(PetscArraycpy(*x + 2 * *n, o.x, 2 * o.n));
     *n += o.n;
-    for (PetscInt a = 0; a < 2 && loop > 0; a++) {
-      (*x)[2 * *n + a]       = o.x[a];
-      (*x)[2 * (*n + 1) + a] = (*x)[a];
-    }
-    if (loop > 0) *n += 2;
+    if (loops > 1) PetscCall(PetscArraycpy(*x + 2 * (*n)++, o.x, 2));
+    if (loop > 0 && loop + 1 < loops) PetscCall(PetscArraycpy(*x + 2 * (*n)++, *x, 2));
     PetscCall(OutlineFree(&o));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
