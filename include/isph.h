@@ -88,7 +88,7 @@ PETSC_EXTERN PetscErrorCode IsphFlowInsert(IsphFlow flow, PetscInt n, const Pets
 /* Removes n fluid particles by their ids, the same on all ranks. */
 PETSC_EXTERN PetscErrorCode IsphFlowRemove(IsphFlow flow, PetscInt n, const PetscInt64 id[]);
 
-/* Gets the name of boundary k, as left or body1, and of its kind, as wall; k is at least 0. The
+/* Gets the name of boundary k, as left or body_1, and of its kind, as wall; k is at least 0. The
    sides of the box are before the bodies; both names are NULL after the last. Not collective. */
 PETSC_EXTERN PetscErrorCode IsphFlowGetBoundary(IsphFlow flow, PetscInt k, const char **name,
                                                 const char **kind);
@@ -112,7 +112,7 @@ PETSC_EXTERN PetscErrorCode IsphFlowMeasure(IsphFlow flow);
 PETSC_EXTERN PetscErrorCode IsphFlowGetQuantity(IsphFlow flow, PetscInt k, const char **name,
                                                 PetscReal *t, PetscReal value[3]);
 
-/* Writes a snapshot of the present flow, for ParaView: path.h5. */
+/* Writes a snapshot of the present flow, for ParaView; the path ends in .h5. */
 PETSC_EXTERN PetscErrorCode IsphFlowWriteSnapshot(IsphFlow flow, const char path[]);
 /* Writes a checkpoint of the present flow, for -restart. */
 PETSC_EXTERN PetscErrorCode IsphFlowWriteCheckpoint(IsphFlow flow, const char path[]);

@@ -11,6 +11,7 @@ from study_runs import GOOD, Run, UserError, last, make, pyplot, real, say, spli
 
 FIELDS = ("velocity", "pressure", "vorticity", "strain_rate", "viscosity", "density")  # of snapshots
 ORDERS = (0.3, 6.0)  # of three runs that may be extrapolated
+SLOW = 0.7  # order below which a limit means little: it lies further from the finest run than that from the next
 ESTIMATE = "velocity_l2_estimate"
 EPILOG = """examples:
   isph-study error SCENE.opts --swap "-visc_laplacian morris" --swap "-visc_laplacian mls" --n 16,32,64
@@ -185,8 +186,28 @@ def lines(name, word, refined, curves, found):
     yield ""
 
 
+def reference_words(options):
+    """Returns the words of the run of --reference."""
+    words = split(options.reference, "--reference")
+    return ["-n", *words] if words and not words[0].startswith("-") else words
+
+
+def coarse(word, finer, refined, curves, options):
+    """Yields a warning if the run of --reference is not twice as fine as the finest run."""
+    finest = max((float(value) for runs in curves.values() for value in runs), default=0.0)
+    words = reference_words(options) if finer else []
+    n = words[words.index("-n") + 1] if "-n" in words[:-1] else None
+    if word == "reference" and refined == "n" and n and float(n) < 2.0 * finest:
+        yield (f"The reference, n = {n}, is less than twice as fine as n = {finest:g}: its own error, a large part of these, is in "
+               "them.\n")
+
+
 def limits(word, found):
-    """Yields a warning if the limits of settings differ, which their errors do not show."""
+    """Yields a warning if runs converge too slowly for a limit, or if the limits of settings differ, which errors do not show."""
+    orders = [float(told.split("order ")[1]) for _, told in found.values() if "order " in told]
+    if word == "richardson" and orders and min(orders) < SLOW:
+        yield (f"An order of {min(orders):.2g} is too low for a limit: these errors may be far off; finer runs, or "
+               "--reference.\n")
     ends = [float(told.split("limit ")[1].split()[0]) for _, told in found.values() if "limit " in told]
     offs = [min(errors.values()) for errors, _ in found.values() if errors]
     if word == "richardson" and len(ends) > 1 and max(ends) - min(ends) > 2.0 * max(offs) * max(map(abs, ends)):
@@ -212,8 +233,7 @@ def study(scene, options):
             run.refined = refined, value
     finer = None
     if options.reference:
-        words = split(options.reference, "--reference")
-        finer = Run(scene, ["-n", *words] if words and not words[0].startswith("-") else words, options.isph, options.out, fields)
+        finer = Run(scene, reference_words(options), options.isph, options.out, fields)
     wanted = [run for runs in curves.values() for run in runs.values()] + ([finer] if finer else [])
     make(wanted, options)
     if finer and finer.record["kind"] not in GOOD:
@@ -230,7 +250,7 @@ def report(curves, lost, finer, refined, options):
     results = {name: find(name, curves, finer, options) for name in quantities(options, curves, finer)}
     text, rows = [], []
     for name, (word, found) in results.items():
-        text += [*lines(name, word, refined, curves, found), *limits(word, found)]
+        text += [*lines(name, word, refined, curves, found), *limits(word, found), *coarse(word, finer, refined, curves, options)]
         for swap, runs in curves.items():
             for value, run in runs.items():
                 rows.append({"quantity": name, "setting": swap, refined: value, **columns(run),

@@ -36,7 +36,7 @@ import tempfile
 
 WORDS = 60000  # of the pages that users read; docs/developers/ and the three files for developers do not count
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LOOSE = re.compile(r"wall time|M/s|^isph: step |^memory ")  # numbers that depend on the computer, or of a flow that diverged
+LOOSE = re.compile(r"wall time|us/particle|^isph: step |^memory ")  # numbers that depend on the computer, or of a flow that diverged
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 # Options of other programs; beginnings of PETSc's options.

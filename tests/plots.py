@@ -30,17 +30,23 @@ AREAS = (  # run, its area, its width on the floor; a pixel and the surface's po
     ([*SCENE, *FILLED, "-scene_filled_1", "circle,0.6,0.7,0.3", "-scene_filled_2", "circle,1.4,0.7,0.3", "-n", "20"],
      0.18 * math.pi, 0),
     ([*SCENE, "-scene_periodic", "x", "-scene_box", "0,0,1,1", "-scene_filled_1", "box,0,0,1,0.4", "-n", "16"], 0.4, 1),
+    ([*SCENE, "-scene_box", "0,0,0.12,0.1", "-length", "0.01", "-scene_body_1", "box,0.02,0,0.1,0.005 + box,0.02,0,0.025,0.05", "-n", "6"],
+     0.011375, 0.04),
 )
 
 
 def areas():
     """The area that is drawn is the volume of the fluid, beside walls, bodies and surfaces; a level of 1/2 lacks some per cent of small circles."""
     sys.path.insert(0, os.path.dirname(PLOT))
+    import numpy as np
     from snapshot import Snapshot
 
     for run, area, foot in AREAS:
         subprocess.run([*COMMAND, *run, "-progress", "none", "-output", "a.h5"], check=True, stdout=subprocess.DEVNULL)
         snapshot = Snapshot("a_0001.h5")
+        for shape, numbers, *_ in snapshot.solids:  # corners of an outline are apart
+            corners = numbers.reshape(-1, 2) if shape == "outline" else np.eye(2)
+            assert np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min() > 1e-3 * snapshot.dx, run
         x, y, u, _ = snapshot.on_grid(snapshot.box)
         pixel, fluid = (x[1] - x[0], y[1] - y[0]), u.mask == 0
         assert abs(fluid.sum() * pixel[0] * pixel[1] / area - 1) < 0.03, (run, fluid.sum() * pixel[0] * pixel[1], area)

@@ -92,7 +92,7 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   const Clock     *clock  = flow->clock;
   const PetscReal  before = ProgressFraction(clock, clock->t_first, clock->step_first);
   char             part[64], left[32];
-  PetscReal        rate = 0.0;
+  const PetscReal  work = (PetscReal)(clock->step - clock->step_first) * flow->particles->N_fluid;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(line, length, "%3.0f %%  t %-8.4g step %-6" PetscInt_FMT " energy %.5e",
@@ -107,9 +107,8 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
                             flow->scheme->solve[k]->iterations));
     TextAppend(line, length, part);
   }
-  if (elapsed > 0.0)
-    rate = 1e-6 * (clock->step - clock->step_first) * flow->particles->N_fluid / elapsed;
-  PetscCall(PetscSNPrintf(part, sizeof(part), "  %.2f M/s", (double)rate));
+  PetscCall(PetscSNPrintf(part, sizeof(part), "  %.3g us/particle",
+                          work > 0.0 ? 1e6 * (double)(elapsed / work) : 0.0));
   TextAppend(line, length, part);
   if (fraction > before && fraction < 1.0) {
     PetscCall(ProgressDuration(TimeLeft(elapsed, fraction - before, 1.0 - fraction, (PetscReal)n,
@@ -124,8 +123,8 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
 /* ProgressUpdate - Prints the progress line if it is due. The first rank prints. On a terminal the
    line replaces the last line at most four times a second, otherwise a line is printed every 10 %
    of the run. A launcher gives each rank a terminal of its own, whatever it writes to. Called after
-   each step. Input: flow - the flow, with the statistics of the step; M/s counts million
-   particle-steps per second of wall clock since ProgressCreate(); final - true at the end of the
+   each step. Input: flow - the flow, with the statistics of the step; us is
+   wall clock since ProgressCreate() over the particles and steps; final - true at the end of the
    run: the line is printed in any case; progress - the state of the progress line. */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)
 {

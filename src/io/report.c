@@ -155,13 +155,16 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
   for (PetscInt k = 0; k < report->n; k++) {
     const Quantity *q         = &report->quantity[k];
     char            value[32] = "-", reference[32] = "-", error[32] = "-";
+    PetscBool       share; /* of a bound, no error in per cent */
 
     if (!PetscIsNanReal(q->value))
       PetscCall(PetscSNPrintf(value, sizeof(value), "%.6g", (double)q->value));
     if (!PetscIsNanReal(q->reference)) {
       PetscCall(PetscSNPrintf(reference, sizeof(reference), "%.6g", (double)q->reference));
     }
-    if (!PetscIsNanReal(q->error)) {
+    PetscCall(PetscStrcmp(q->name, "balance", &share));
+    if (share) PetscCall(PetscStrncpy(reference, "of its bound", sizeof(reference)));
+    if (!PetscIsNanReal(q->error) && !share) {
       PetscCall(PetscSNPrintf(error, sizeof(error), "%.3g", 100.0 * (double)q->error));
     }
     PetscCall(PetscViewerASCIIPrintf(viewer, "%-22s", q->name));

@@ -9,7 +9,7 @@ static const OptionRow options[] = {
     OPTION(FILE, "-library",
            "shared objects, separated by commas, with own forms, rheologies, cases, shapes, "
            "kernels or functions of expressions",
-           NULL, NULL, .file = FILE_BEGINNING),
+           NULL, NULL, .also = " plugin ", .file = FILE_BEGINNING),
 };
 const OptionTable PluginOptions = OPTIONS("Plug-ins", options);
 

@@ -19,7 +19,7 @@ static const OptionRow options[] = {
                         "corners beside it",
                       "m", NULL, .where = "flows"),
     [FORCES] = OPTION(SWITCH, "-probe_forces", "forces and torques of the fluid on each wall", NULL,
-                      "false", .where = "flows"),
+                      "false", .also = " drag lift ", .where = "flows"),
     [BODIES] = OPTION(SWITCH, "-probe_bodies",
                       "place, attitude and motion of each body; force and torque of the fluid on "
                       "it, their power and their error bars",

@@ -160,21 +160,29 @@ static PetscBool IsForAll(const OptionTable *table)
 
 #define EXPERT "Expert: for studies of the numerics"
 
-/* HelpSearch - Prints the options that have a word in their name, meaning or other names. Needs
-   neither PETSc nor MPI to be initialized. Prints that there is none. */
+/* HelpSearch - Prints the options that have a word as another name, then those that have it in
+   their name or meaning. Needs neither PETSc nor MPI to be initialized. Prints that there is none.
+ */
 void HelpSearch(FILE *out, const char word[])
 {
   PetscInt found = 0;
+  char     name[OPTION_LENGTH];
 
-  for (PetscInt t = 0; OptionTableGet(t); t++) {
-    const OptionRow *row;
+  (void)snprintf(name, sizeof(name), " %s ", word);
+  for (PetscInt also = 1; also >= 0; also--) {
+    for (PetscInt t = 0; OptionTableGet(t); t++) {
+      const OptionRow *row;
 
-    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
-      if (!OptionTextHas(row->name, word) && !OptionTextHas(row->brief, word) &&
-          !OptionTextHas(row->also, word))
-        continue;
-      PrintOption(out, row);
-      found++;
+      for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
+        const PetscBool is = OptionTextHas(row->also, name);
+
+        if (also ? !is
+                 : is || !(OptionTextHas(row->name, word) || OptionTextHas(row->brief, word) ||
+                           OptionTextHas(row->also, word)))
+          continue;
+        PrintOption(out, row);
+        found++;
+      }
     }
   }
   if (!found)

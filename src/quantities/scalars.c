@@ -9,7 +9,7 @@ static const OptionRow options[] = {
                            "name of scalar 1, 2, ... that the fluid carries, such as T: "
                                   "expressions, "
                                   "files and the report have it",
-                           NULL, NULL, .where = "-case scene"),
+                           NULL, NULL, .also = " temperature dye ", .where = "-case scene"),
     [START]       = OPTION(EXPRESSION, "-scene_scalar_<k>_start",
                            "values of a scalar at the start, of x, y[, z]", NULL,
                            "-scene_scalar_<k>_exact at t = 0, or 0",

@@ -11,13 +11,13 @@
 #include "isph/scene.h"
 
 const BoundaryRow BoundaryInflow = {
-    .name  = "inflow",
-    .brief = "side through which fluid enters, or leaves, with a given velocity",
-    .option =
-        OPTION(NAMES, "-scene_inflow",
-               "sides of the box through which fluid enters, or leaves, with the velocity "
-               "-scene_wall_<side>_velocity",
-               NULL, NULL, .words = BoxSides, .table = &BoundaryTable, .where = "-case scene"),
+    .name       = "inflow",
+    .brief      = "side through which fluid enters, or leaves, with a given velocity",
+    .option     = OPTION(NAMES, "-scene_inflow",
+                         "sides of the box through which fluid enters, or leaves, with the velocity "
+                             "-scene_wall_<side>_velocity",
+                         NULL, NULL, .also = " inlet ", .words = BoxSides, .table = &BoundaryTable,
+                         .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP | BOUNDARY_INFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
@@ -39,7 +39,8 @@ const BoundaryRow BoundaryOutflow = {
         OPTION(NAMES, "-scene_outflow",
                "sides of the box through which fluid leaves, or returns, at a given pressure; with "
                "-scene_wall_<side>_velocity they are as those of -scene_inflow",
-               NULL, NULL, .words = BoxSides, .table = &BoundaryTable, .where = "-case scene"),
+               NULL, NULL, .also = " outlet ", .words = BoxSides, .table = &BoundaryTable,
+               .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_OUTFLOW,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,

@@ -35,7 +35,7 @@ static const OptionRow options[] = {
                "of the case", .also = " re ", .low = 1e-12, .high = 1e12, .where = "flows"),
     [VISCOSITY] =
         OPTION(REAL, "-viscosity", "kinematic viscosity nu, in place of -reynolds", "m^2/s",
-               "from -reynolds", .also = " nu kinematic_viscosity ", POSITIVE, .where = "flows"),
+               "from -reynolds", .also = " nu kinematic_viscosity mu ", POSITIVE, .where = "flows"),
     [DENSITY] = OPTION(REAL, "-density", "density rho", "kg/m^3", "1", .also = " rho ",
                        .low = 1e-50, .high = 1e50, .where = "flows"),
     [TENSION] = OPTION(REAL, "-surface_tension", "surface tension sigma", "N/m", "0", NOT_NEGATIVE,
@@ -240,7 +240,8 @@ PetscErrorCode SceneCreate(const OptionRow *cases, const Table *functions, Scene
   if (SceneHas(s, PHYSICS_CONVECTION) || given) {
     PetscCall(OptionGetRow(&options[MOTION], NULL, &s->motion));
     UserCheck(SceneHas(s, PHYSICS_CONVECTION) || s->motion->turns,
-              "-motion %s: without convection particles stay; allowed is frame", s->motion->name);
+              "-motion %s: without convection particles stay; leave -motion out, or turn the frame",
+              s->motion->name);
     UserCheck(s->problem->typed || !s->motion->turns,
               "-motion %s: the walls of case %s are not those of a rotor; allowed with -case scene",
               s->motion->name, s->problem->name);
