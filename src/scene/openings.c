@@ -14,8 +14,8 @@ const BoundaryRow BoundaryInflow = {
     .name       = "inflow",
     .brief      = "side through which fluid enters, or leaves, with a given velocity",
     .option     = OPTION(NAMES, "-scene_inflow",
-                         "sides of the box through which fluid enters, or leaves, with the velocity "
-                             "-scene_wall_<side>_velocity",
+                         "sides of the box through which fluid enters, or leaves, with the "
+                             "velocity -scene_wall_<side>_velocity",
                          NULL, NULL, .also = " inlet ", .words = BoxSides, .table = &BoundaryTable,
                          .where = "-case scene"),
     .properties = BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP | BOUNDARY_INFLOW,
