@@ -66,11 +66,10 @@ void            AppendWord(char list[], size_t size, const char word[]);
 
 /* Free several arrays, vectors or matrices, given by the addresses of their pointers. */
 #define FreeAll(...)       FreeArrays(__VA_ARGS__, NULL)
-#define VecDestroyAll(...) VecDestroyEach(__VA_ARGS__, NULL)
-#define MatDestroyAll(...) MatDestroyEach(__VA_ARGS__, NULL)
+#define VecDestroyAll(...) ObjectsDestroy(__VA_ARGS__, NULL)
+#define MatDestroyAll(...) ObjectsDestroy(__VA_ARGS__, NULL)
 PetscErrorCode FreeArrays(void *first, ...) __attribute__((sentinel));
-PetscErrorCode VecDestroyEach(Vec *first, ...) __attribute__((sentinel));
-PetscErrorCode MatDestroyEach(Mat *first, ...) __attribute__((sentinel));
+PetscErrorCode ObjectsDestroy(void *first, ...) __attribute__((sentinel));
 
 /* Checks a condition that the user must meet. Errors that the user can correct (an option, a file,
    a diverged solve) end the run with a message of one line instead of a traceback; ErrorsInstall()

@@ -356,8 +356,6 @@ PetscErrorCode AccelerationGet(const Flow *flow, PetscReal *const rate[]);
 PetscErrorCode AccelerationRegister(Flow *flow);
 PetscErrorCode AccelerationRemember(Flow *flow);
 
-PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
-                                 Vec walls, Vec work, Vec result);
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
                                Vec work, Vec result);
 PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
@@ -372,7 +370,6 @@ PetscErrorCode VelocityFilterForget(Flow *flow);
 
 /* The step, and its attempts. */
 PetscErrorCode        FlowMakeStep(Flow *flow);
-PetscErrorCode        FlowStep(Flow *flow);
 PetscErrorCode        FlowAssemble(Flow *flow);
 extern const Judge    JudgeFailure;
 PetscErrorCode        AttemptArrange(Flow *flow);

@@ -20,8 +20,4 @@
 #define PetscOptionsCreateViewer PetscOptionsGetViewer
 #endif
 
-#if PETSC_VERSION_LT(3, 24, 0)
-#define SNESLINESEARCHSECANT SNESLINESEARCHL2
-#endif
-
 #endif

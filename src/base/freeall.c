@@ -15,26 +15,15 @@ PetscErrorCode FreeArrays(void *first, ...)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VecDestroyEach - Destroys vectors; see VecDestroyAll() */
-PetscErrorCode VecDestroyEach(Vec *first, ...)
+/* ObjectsDestroy - Destroys vectors or matrices; see VecDestroyAll() and MatDestroyAll() */
+PetscErrorCode ObjectsDestroy(void *first, ...)
 {
   va_list more;
 
   PetscFunctionBegin;
   va_start(more, first);
-  for (Vec *next = first; next; next = va_arg(more, Vec *)) PetscCall(VecDestroy(next));
-  va_end(more);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* MatDestroyEach - Destroys matrices; see MatDestroyAll() */
-PetscErrorCode MatDestroyEach(Mat *first, ...)
-{
-  va_list more;
-
-  PetscFunctionBegin;
-  va_start(more, first);
-  for (Mat *next = first; next; next = va_arg(more, Mat *)) PetscCall(MatDestroy(next));
+  for (void *next = first; next; next = va_arg(more, void *))
+    PetscCall(PetscObjectDestroy((PetscObject *)next));
   va_end(more);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,8 +6,8 @@
 /* ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without
    the velocity filter. Collective. For inputs and output see ConvectionApply(); walls NULL:
    zero. */
-PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
-                                 Vec walls, Vec work, Vec result)
+static PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[],
+                                        Vec u, Vec walls, Vec work, Vec result)
 {
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(result));

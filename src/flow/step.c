@@ -51,7 +51,7 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
 /* FlowStep - Makes a step of the clock's dt by the stages of the scheme. Collective. If the step
    fails, scheme->failure has the reason, time has not advanced, and the fields are invalid. Judges
    of the solves send the step back to an earlier stage. */
-PetscErrorCode FlowStep(Flow *flow)
+static PetscErrorCode FlowStep(Flow *flow)
 {
   Scheme *s = flow->scheme;
 

@@ -102,7 +102,6 @@ PetscErrorCode ScalarRates(const Flow *flow, const PetscReal c[], PetscReal shar
 PetscErrorCode ScalarMatrix(const Flow *flow, Scalar *s);
 void           ScalarDiagonal(const Flow *flow, const Scalar *s, PetscReal to[]);
 PetscErrorCode ScalarEntering(const Flow *flow, Scalar *s);
-PetscErrorCode ScalarFindVolumes(Flow *flow);
 PetscErrorCode ScalarFree(Scalar *s);
 
 /* scalarsolve.c */
