@@ -263,6 +263,7 @@ struct Scene {
   Body         region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
   PetscReal    region_nu[SCENE_MAX_FLUIDS]; /* their viscosities mu/rho, see SceneMixes() [m^2/s] */
   PetscReal    region_density[SCENE_MAX_FLUIDS]; /* their densities over rho [-] */
+  Expression   tension_field; /* of the free surface; not set: it is `tension` [N/m] */
   PetscReal    region_tension[SCENE_MAX_FLUIDS]; /* of their surfaces [N/m] */
   PetscInt     n_regions;
   Body         filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */

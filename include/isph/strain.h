@@ -102,8 +102,7 @@ struct StrainCells {
   /* force on component b for a unit of one along axis a, at [a dim + b], over the density of fluid
      0: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
   PetscReal *weight[STRAIN_TENSOR];
-  PetscBool *apart;   /* own fluid particles that no cell has; NULL: not known */
-  PetscReal  astray;  /* volume of pieces of the fluid beyond that of their particles [m^dim] */
+  PetscBool *apart;   /* own fluid particles that no piece of the fluid has; NULL: not known */
   PetscReal *strain;  /* E of cell c for the last velocity: dim^2 values each [1/s] */
   PetscReal *rate;    /* sqrt(2 E:E) [1/s] */
   StrainList list[2]; /* fluid, walls */
@@ -140,6 +139,7 @@ void StrainRheology(const Scene *scene, StrainCells *cells);
 PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
+void StrainSetTension(const Particles *particles, const PetscReal sigma[], StrainCells *cells);
 PetscErrorCode StrainTension(const Scene *scene, const Particles *particles,
                              const StrainCells *cells, PetscReal force[], PetscReal *energy);
 PetscErrorCode StrainTensionMatrix(const Particles *particles, const StrainCells *cells, Mat *K);
@@ -155,9 +155,9 @@ PetscBool StrainWaits(const Scene *scene, const Particles *particles, PetscInt w
                       PetscReal *length);
 PetscBool StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
                       PetscReal *volume);
-PetscErrorCode StrainConcentration(const Scene *scene, const Particles *particles,
-                                   const Cells *cells, const PetscReal x[], PetscInt list[],
-                                   PetscReal *C);
+PetscErrorCode StrainParts(const Scene *scene, const Particles *particles, const Cells *cells,
+                           const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal part[],
+                           PetscReal *C);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
 #endif

@@ -17,16 +17,25 @@
 #define LOST     2.0  /* energy of a flow that is lost over the most that it can have [-] */
 #define ROUNDING 1e-6 /* speed of a fluid at rest [U] */
 
-/* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is `path`
-   [m], over the mass of a particle of weight 1 of fluid 0 [m^2/s^2] */
+/* EnergyWork - Returns the work of the body force, and of a tension that varies, on own particle i,
+   whose path in a step is `path` [m], over the mass of a particle of weight 1 of fluid 0
+   [m^2/s^2] */
 PetscReal EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[])
 {
   const Particles *p    = flow->particles;
-  PetscReal        work = 0.0, middle[ISPH_MAX_DIM], f[ISPH_MAX_DIM];
+  PetscReal        work = 0.0, middle[ISPH_MAX_DIM], f[ISPH_MAX_DIM] = {0.0};
 
-  if (!SceneHasFreeSurface(flow->scene) || !SceneHas(flow->scene, PHYSICS_BODY_FORCE)) return 0.0;
+  if (!SceneHasFreeSurface(flow->scene)) return 0.0;
   for (PetscInt a = 0; a < p->dim; a++) middle[a] = p->x[a][i] + 0.5 * path[a];
-  SceneBodyForce(flow->scene, flow->clock->t + 0.5 * flow->clock->dt, middle, f);
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
+    SceneBodyForce(flow->scene, flow->clock->t + 0.5 * flow->clock->dt, middle, f);
+  for (PetscInt a = 0; a < p->dim && flow->scene->tension_field.n; a++) {
+    const PetscScalar *tension;
+
+    PetscCallAbort(p->comm, VecGetArrayRead(flow->state->interface[a], &tension));
+    f[a] += PetscRealPart(tension[i]);
+    PetscCallAbort(p->comm, VecRestoreArrayRead(flow->state->interface[a], &tension));
+  }
   for (PetscInt a = 0; a < p->dim; a++) work += f[a] * path[a];
   return ParticlesWeight(p, i) * (ParticlesDensity(flow->scene, p, i) / flow->scene->rho) * work;
 }
@@ -88,7 +97,8 @@ static PetscReal LeastTension(const Flow *flow)
   const PetscReal area   = scene->dim == 2 ? 2.0 * PetscSqrtReal(PETSC_PI * volume)
                                            : cbrt(36.0 * PETSC_PI * volume * volume);
 
-  if (flow->scheme->sheet.flight.on == 0.0 || SceneHasBoundary(scene, BOUNDARY_CONTINUES))
+  if (flow->scheme->sheet.flight.on == 0.0 || SceneHasBoundary(scene, BOUNDARY_CONTINUES) ||
+      scene->tension_field.n)
     return 0.0;
   return 2.0 * scene->tension * area / (flow->scheme->stats.density * volume);
 }

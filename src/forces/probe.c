@@ -258,11 +258,13 @@ static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *d
 {
   const Scene *scene = probe->flow->scene;
   PetscReal    C;
+  PetscInt     n;
 
   PetscFunctionBegin;
   *dry = PETSC_FALSE;
   if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(StrainConcentration(scene, probe->flow->particles, &probe->cells, x, probe->list, &C));
+  PetscCall(
+      StrainParts(scene, probe->flow->particles, &probe->cells, x, probe->list, &n, probe->W, &C));
   *dry = C < DRY ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -280,6 +280,7 @@ static PetscErrorCode BannerTension(const Flow *flow, PetscViewer viewer)
   if (sigma == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       PetscViewerASCIIPrintf(viewer, BANNER_LABEL "sigma = %.6g N/m", "tension", (double)sigma));
+  if (scene->tension_field.n) PetscCall(PetscViewerASCIIPrintf(viewer, " at most, it varies"));
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     PetscCall(PetscViewerASCIIPrintf(
         viewer, ", Oh = %.3g",

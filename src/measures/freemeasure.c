@@ -1,13 +1,11 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. The volume inside the surface
-   is that of the strain cells, which is always that of all particles. So the part of it is left out
-   that is in other pieces of the fluid than its particles: drops that swell at the cost of others,
-   and for single particles outside. */
+   is that of the strain cells, and of single particles, which have none. */
 #include "isph/balance.h"
 #include "isph/strain.h"
 #include "monitors.h"
 
 /* Computes the volume inside the free surface [m^dim]. Collective. Output: volume - of the cells
-   that is of their particles; mass - sum of the volumes of the particles, its reference. */
+   and of single particles; mass - sum of the volumes of the particles, its reference. */
 static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const Particles   *p     = flow->particles;
@@ -20,8 +18,9 @@ static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal
 
     if (StrainHasCell(p, cells, c, x)) sum += cells->volume[c];
   }
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (cells->apart[i]) sum += p->volume[i];
   PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  *volume -= cells->astray;
   *mass = p->weight * p->cell_volume;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

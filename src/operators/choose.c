@@ -241,11 +241,16 @@ static PetscErrorCode RefuseContacts(const Scene *scene, const OperatorForms *fo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a tension between fluids below a free surface: the planes that particles carry move
-   otherwise than facets do, and the flow is lost in noise. */
+/* Refuses a tension that varies without a free surface that has one, and a tension between fluids
+   below a free surface: the planes that particles carry move otherwise than facets do, and the flow
+   is lost in noise. */
 static PetscErrorCode RefuseTension(const Scene *scene)
 {
   PetscFunctionBegin;
+  UserCheck(
+      !scene->tension_field.n || scene->tension > 0.0,
+      "-surface_tension_field: give its largest value as -surface_tension, and a free surface "
+      "by -scene_free or -scene_filled_1");
   for (PetscInt k = 0; k < scene->n_regions && SceneHasFreeSurface(scene); k++)
     UserCheck(scene->region_tension[k] == 0.0,
               "-scene_fluid_%" PetscInt_FMT "_tension: interfaces have no tension below a free "

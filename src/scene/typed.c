@@ -13,6 +13,7 @@ enum {
   FLUID_DENSITY,
   FLUID_TENSION,
   VISCOSITY_FIELD,
+  TENSION_FIELD,
   START_VELOCITY,
   EXACT
 };
@@ -61,6 +62,11 @@ static const OptionRow options[] = {
                "kinematic viscosity outside the regions of other fluids, of x, y[, z] and the "
                "scalars; of t and the strain rate g too, if there are no such regions",
                "m^2/s", "-viscosity", .where = "-case scene"),
+    [TENSION_FIELD] =
+        OPTION(EXPRESSION, "-surface_tension_field",
+               "tension of the free surface, of x, y[, z], t and the scalars, which pulls along it "
+               "where it varies (Marangoni); -surface_tension is its largest value",
+               "N/m", "-surface_tension", .where = "-case scene, free surfaces with a tension"),
     [START_VELOCITY] =
         OPTION(EXPRESSION, "-scene_velocity", "velocity u,v[,w] at the start, of x, y[, z]", "m/s",
                "-scene_exact at t = 0, or rest", .where = "-case scene"),
@@ -242,6 +248,9 @@ static PetscErrorCode ReadFluids(Scene *scene)
       ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1,
                     EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS | EXPRESSION_STRAIN,
                     &scene->nu_field, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[TENSION_FIELD], 1, 1,
+                          EXPRESSION_PLACE | EXPRESSION_TIME | EXPRESSION_FIELDS,
+                          &scene->tension_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscCall(ShapeRead(scene, &options[FLUID], k, -1, &scene->region[scene->n_regions], &given));
     if (!given) break;

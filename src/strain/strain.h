@@ -13,6 +13,8 @@
    on it: the facets of a part that is left out would be lost. */
 #define LEAST_PART 1e-6
 
+#define TIE 1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
+
 /* The part of a cell with positive distances at its corners. */
 typedef struct {
   PetscReal volume;                                            /* [m^dim] */
@@ -86,6 +88,8 @@ typedef struct {
   PetscReal *phi;   /* distance from its interface, at least 0 [m] */
   PetscReal *depth; /* below the free surface; NULL: there is none [m] */
   PetscBool *dry;   /* walls that the fluid does not wet, by local index; NULL: none */
+  PetscReal *level; /* of the concentration, of the piece of each particle, by local index */
+  PetscBool *apart; /* own fluid particles that no piece of the fluid has */
 } StrainNodes;
 
 /* A cell of the block. */
@@ -95,9 +99,12 @@ typedef struct {
 } StrainCell;
 
 PetscErrorCode StrainNodesFind(const Scene *scene, const Particles *p, PetscReal edge,
-                               const StrainQuantity *quantity, StrainLattice *l,
-                               StrainNodes *corners);
+                               StrainLattice *l, StrainNodes *corners);
 PetscErrorCode StrainNodesFree(StrainNodes *corners);
+void           StrainCornerPlace(const Scene *scene, const StrainLattice *l, const PetscInt index[],
+                                 PetscReal x[]);
+void           StrainCornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[]);
+PetscInt       StrainCornerCount(const StrainLattice *l);
 PetscReal      StrainBodiesDistance(const Scene *scene, const PetscReal x[], PetscInt *body);
 void StrainCellSet(const Scene *scene, const StrainLattice *l, PetscInt k, StrainCell *cell);
 void StrainDistancesIn(const StrainLattice *l, const StrainNodes *corners, const StrainCell *cell,
@@ -108,19 +115,24 @@ const PetscReal *StrainPhiIn(PetscInt dim, const StrainNodes *corners, const Str
 /* strainlevel.c */
 #define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
 
-#define LEVEL_LOW  0.2 /* bounds of its level tau */
-#define LEVEL_HIGH 0.8
+#define LEVEL_LOW   0.05 /* bounds of its levels */
+#define LEVEL_HIGH  0.9
+#define LEVEL_PLANE 0.5 /* that of a plane surface */
 
-typedef PetscReal (*StrainVolume)(void *ctx, PetscReal tau);
-PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
-                           StrainVolume Volume, void *ctx, PetscReal *tau);
+typedef PetscErrorCode (*StrainVolumesAt)(void *ctx, const PetscReal level[], PetscReal volume[]);
+PetscErrorCode StrainLevels(const Particles *p, PetscInt n, const PetscReal own[], PetscReal low,
+                            PetscReal high, StrainVolumesAt Volumes, void *ctx, PetscReal level[]);
+PetscErrorCode StrainExcess(const Scene *scene, const Particles *p, const Cells *cells,
+                            const PetscReal level[], const PetscReal x[], PetscInt list[],
+                            PetscReal part[], PetscReal *excess);
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
-                            const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
-                            PetscReal gradient[], PetscReal *value);
+                            const PetscReal level[], const PetscReal x[], PetscInt list[],
+                            PetscReal part[], PetscInt *n, PetscReal slope[], PetscReal gradient[],
+                            PetscReal *value);
 
 /* strainmotion.c */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            const PetscBool dry[], StrainCells *cells);
+                            const StrainNodes *corners, StrainCells *cells);
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
                             const Facets *facets, StrainCells *cells);
 PetscErrorCode StrainLayer(PetscInt dim, const StrainPoints *points, const Facets *facets,
@@ -128,8 +140,13 @@ PetscErrorCode StrainLayer(PetscInt dim, const StrainPoints *points, const Facet
 PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);
 
 /* strainpieces.c */
-PetscErrorCode StrainShares(const Scene *scene, const Particles *p, StrainCells *cells,
-                            PetscReal share[]);
+PetscErrorCode StrainPiecesNumber(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                  const PetscBool wet[], PetscReal piece[], PetscInt *n,
+                                  PetscInt *single);
+
+/* strainvolumes.c */
+PetscErrorCode StrainVolumes(const Scene *scene, const Particles *p, const StrainLattice *l,
+                             StrainNodes *corners);
 
 /* strainsurface.c */
 PetscErrorCode StrainFacetAdd(PetscInt dim, const PetscReal x[][ISPH_MAX_DIM], PetscInt fluid,

@@ -443,7 +443,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   s       = *cells;
   s->sets = quantity->sets;
   if (quantity->gives && !s->mean) PetscCall(PetscMalloc1(PetscMax(s->room[0], 1), &s->mean));
-  PetscCall(StrainNodesFind(scene, p, edge, quantity, &s->lattice, &corners));
+  PetscCall(StrainNodesFind(scene, p, edge, &s->lattice, &corners));
+  if (quantity->cut) PetscCall(StrainVolumes(scene, p, &s->lattice, &corners));
   fits.dry  = corners.dry;
   sides.all = corners.all;
   PetscCall(PetscMalloc1(2 * p->dim * sides.all, &sides.side));
@@ -466,7 +467,10 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     for (PetscInt q = 0; q < s->sets; q++)
       for (PetscInt i = 0; i < p->n_fluid; i++)
         s->mass[q][i] = p->volume[i] * (ParticlesDensity(scene, p, i) / scene->rho);
-    PetscCall(StrainMotion(scene, p, &sides.points, corners.dry, s));
+    PetscCall(PetscFree(s->apart));
+    s->apart      = corners.apart;
+    corners.apart = NULL;
+    PetscCall(StrainMotion(scene, p, &sides.points, &corners, s));
     PetscCall(StrainFluxes(scene, p, &sides.points, &facets, s));
     PetscCall(StrainLayer(p->dim, &sides.points, &facets, s));
   }

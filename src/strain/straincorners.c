@@ -4,10 +4,7 @@
    theory.md, (viscosity:cells), (strain:level) and (strain:fluids). */
 #include "strain.h"
 
-#define NODE_REACH   1.5  /* particles that decide on the interface at a corner [dx] */
-#define SHIFT_MOST   0.5  /* of interfaces to the volumes of their fluids [dx] */
-#define SHIFT_ROUNDS 4    /* over three fluids and more */
-#define TIE          1e-7 /* a corner so near to an interface is in the stiffer fluid [dx] */
+#define NODE_REACH 1.5 /* particles that decide on the interface at a corner [dx] */
 
 /* Sets the block of cells in which own particles have a part; returns true if it is a new one. */
 static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge, StrainLattice *l)
@@ -37,14 +34,14 @@ static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge
 }
 
 /* Computes the place of a corner [m]; in periodic directions it may be outside the box. */
-static void CornerPlace(const Scene *scene, const StrainLattice *l, const PetscInt index[],
-                        PetscReal x[])
+void StrainCornerPlace(const Scene *scene, const StrainLattice *l, const PetscInt index[],
+                       PetscReal x[])
 {
   for (PetscInt a = 0; a < l->dim; a++) x[a] = scene->lo[a] + (l->first[a] + index[a]) * l->edge[a];
 }
 
 /* Computes the indices of corner k. */
-static void CornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[])
+void StrainCornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[])
 {
   for (PetscInt a = 0; a < l->dim; a++) {
     index[a] = k % (l->n[a] + 1);
@@ -52,7 +49,7 @@ static void CornerIndex(const StrainLattice *l, PetscInt k, PetscInt index[])
   }
 }
 
-static PetscInt CornerCount(const StrainLattice *l)
+PetscInt StrainCornerCount(const StrainLattice *l)
 {
   PetscInt n = 1;
 
@@ -83,13 +80,13 @@ static PetscErrorCode SetDistances(const Scene *scene, StrainLattice *l)
   PetscFunctionBegin;
   PetscCall(PetscFree(l->distance));
   if (!scene->n_bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(CornerCount(l), &l->distance));
-  for (PetscInt k = 0; k < CornerCount(l); k++) {
+  PetscCall(PetscMalloc1(StrainCornerCount(l), &l->distance));
+  for (PetscInt k = 0; k < StrainCornerCount(l); k++) {
     PetscInt  index[ISPH_MAX_DIM], body;
     PetscReal x[ISPH_MAX_DIM];
 
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
+    StrainCornerIndex(l, k, index);
+    StrainCornerPlace(scene, l, index, x);
     l->distance[k] = StrainBodiesDistance(scene, x, &body);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,8 +109,8 @@ static PetscErrorCode SetFluids(const Scene *scene, const Particles *p, const St
     InterfacePlane plane;
     PetscBool      cut;
 
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
+    StrainCornerIndex(l, k, index);
+    StrainCornerPlace(scene, l, index, x);
     PetscCall(CellsFind(&cells, x, reach, cells.n, list, &n));
     cut               = InterfaceNear(p, x, n, list, &plane);
     corners->fluid[k] = plane.fluid[plane.offset < 0.0];
@@ -135,7 +132,7 @@ void StrainCellSet(const Scene *scene, const StrainLattice *l, PetscInt k, Strai
     cell->cell[a] = k % l->n[a];
     k /= l->n[a];
   }
-  CornerPlace(scene, l, cell->cell, cell->lo);
+  StrainCornerPlace(scene, l, cell->cell, cell->lo);
   for (PetscInt c = 0; c < 1 << l->dim; c++) {
     PetscInt node = 0;
 
@@ -172,215 +169,21 @@ const PetscReal *StrainPhiIn(PetscInt dim, const StrainNodes *corners, const Str
   return corners->fluid ? phi : NULL;
 }
 
-/* Own cells whose volume below a level, or in a fluid that is shifted, StrainLevel() compares with
-   that of particles. */
-typedef struct {
-  const Scene         *scene;
-  const StrainLattice *l;
-  StrainNodes         *corners;
-  const PetscReal     *C;     /* concentration at corners */
-  PetscInt             fluid; /* -1: all below the level */
-  PetscReal           *shift; /* of each fluid into the others [m] */
-  PetscReal            whole; /* volume of cells that no level changes [m^dim] */
-  PetscInt             n, *cell;
-} Volumes;
-
-/* Returns the fluid at a corner if fluids are shifted, and its distance from the interface. */
-static PetscInt Shifted(const Volumes *of, PetscInt k, PetscReal *phi)
-{
-  const PetscInt fluid = of->corners->fluid[k], other = of->corners->other[k];
-
-  *phi = of->corners->phi[k] + of->shift[fluid] - of->shift[other];
-  if (*phi >= 0.0) return fluid;
-  *phi = -*phi;
-  return other;
-}
-
-/* Sets the depths of corners below the level of the concentration, or lets the fluid give way. */
-static void SetLevel(const Volumes *of, PetscReal level)
-{
-  if (of->fluid >= 0) of->shift[of->fluid] = -level;
-  for (PetscInt k = 0; of->fluid < 0 && k < of->corners->all; k++)
-    of->corners->depth[k] = StrainDepth(of->scene, of->C[k] - level);
-}
-
-/* Returns the volume of a cell at the level that is set. */
-static PetscReal VolumeOf(const Volumes *of, PetscInt k)
-{
-  PetscReal  d[CELL_CORNERS], phi[CELL_CORNERS];
-  StrainCell cell;
-  CellPart   part;
-
-  StrainCellSet(of->scene, of->l, k, &cell);
-  StrainDistancesIn(of->l, of->corners, &cell, d);
-  for (PetscInt c = 0; of->fluid >= 0 && c < 1 << of->l->dim; c++)
-    if (Shifted(of, cell.node[c], &phi[c]) != of->fluid) phi[c] = -phi[c];
-  StrainCut(of->l->dim, cell.lo, of->l->edge, d, of->fluid < 0 ? NULL : phi, &part);
-  return part.volume;
-}
-
-/* Returns the volume of own cells at a level. */
-static PetscReal VolumeAt(void *ctx, PetscReal level)
-{
-  const Volumes *of  = (const Volumes *)ctx;
-  PetscReal      sum = of->whole;
-
-  SetLevel(of, level);
-  for (PetscInt k = 0; k < of->n; k++) sum += VolumeOf(of, of->cell[k]);
-  return sum;
-}
-
-/* Finds the level between two bounds at which own cells have the volume `own`; collective. */
-static PetscErrorCode FindLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
-                                Volumes *of, PetscReal *level)
-{
-  const StrainLattice *l   = of->l;
-  PetscInt             all = 1;
-  PetscReal           *first;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
-  PetscCall(PetscMalloc2(all, &of->cell, all, &first));
-  of->n     = 0;
-  of->whole = 0.0;
-  SetLevel(of, low);
-  for (PetscInt k = 0; k < all; k++) first[k] = VolumeOf(of, k);
-  SetLevel(of, high);
-  for (PetscInt k = 0; k < all; k++) {
-    PetscReal  x[ISPH_MAX_DIM], volume;
-    StrainCell cell;
-
-    StrainCellSet(of->scene, l, k, &cell);
-    for (PetscInt a = 0; a < l->dim; a++) x[a] = cell.lo[a] + 0.5 * l->edge[a];
-    if (!ParticlesHolds(p, x)) continue;
-    volume = VolumeOf(of, k);
-    if (volume == first[k]) of->whole += volume;
-    else of->cell[of->n++] = k;
-  }
-  PetscCall(StrainLevel(p, own, low, high, VolumeAt, of, level));
-  SetLevel(of, *level);
-  PetscCall(PetscFree2(of->cell, first));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Ends the run if fluid is outside the box, where there are no cells; collective. */
-static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
-{
-  int out = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    for (PetscInt a = 0; a < p->dim; a++)
-      if (!SceneIsPeriodic(scene, a) && (p->x[a][i] < scene->lo[a] || p->x[a][i] > scene->hi[a]))
-        out = 1;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MAX, p->comm));
-  UserCheck(!out, "-scene_box: fluid has left the box, and below a free surface there is none "
-                  "outside; give a smaller -t_end or a larger -scene_box");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Lists walls that the fluid does not wet: those out of its level, by local index. */
-static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cells *cells,
-                              PetscReal tau, PetscInt list[], PetscBool **dry)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(ParticlesAll(p), dry));
-  for (PetscInt j = 0; j < ParticlesAll(p); j++) {
-    PetscReal x[ISPH_MAX_DIM], C;
-
-    if (!ParticlesIsWall(p, j)) continue;
-    ParticlesWallPoint(p, j, x);
-    PetscCall(StrainConcentration(scene, p, cells, x, list, &C));
-    (*dry)[j] = C < tau ? PETSC_TRUE : PETSC_FALSE;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the level of the free surface, and sets the depths of the corners below it; collective. */
-static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
-                                  StrainNodes *corners)
-{
-  Cells     cells = {0};
-  PetscInt *list;
-  PetscReal tau, *C, own = 0.0, x[ISPH_MAX_DIM] = {0.0}, length;
-  Volumes   of = {.scene = scene, .l = l, .corners = corners, .fluid = -1};
-
-  PetscFunctionBegin;
-  PetscCall(CheckInside(scene, p));
-  if (p->entered) PetscCall(ParticlesHaloField(p, p->entered));
-  PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &cells));
-  PetscCall(PetscMalloc2(cells.n + 1, &list, corners->all, &C));
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscInt  index[ISPH_MAX_DIM];
-    PetscReal x[ISPH_MAX_DIM];
-
-    CornerIndex(l, k, index);
-    CornerPlace(scene, l, index, x);
-    PetscCall(StrainConcentration(scene, p, &cells, x, list, &C[k]));
-  }
-  of.C = C;
-  for (PetscInt i = 0; i < p->n_fluid; i++) own += p->volume[i];
-  for (PetscInt w = p->n_fluid; w < ParticlesOwn(p); w++)
-    if (StrainWaits(scene, p, w, x, &length))
-      own += p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[w] / 2);
-  PetscCall(FindLevel(p, own, LEVEL_LOW, LEVEL_HIGH, &of, &tau));
-  PetscCall(FindDry(scene, p, &cells, tau, list, &corners->dry));
-  PetscCall(PetscFree2(list, C));
-  PetscCall(CellsFree(&cells));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Shifts the interfaces of each fluid along their normals so that its cells have the volume of its
-   particles: distances that particles carry drift; collective. */
-static PetscErrorCode SetVolumes(const Scene *scene, const Particles *p, const StrainLattice *l,
-                                 StrainNodes *corners)
-{
-  const PetscReal most                        = SHIFT_MOST * scene->dx;
-  const PetscInt  rounds                      = SceneFluids(scene) > 2 ? SHIFT_ROUNDS : 1;
-  PetscReal       shift[SCENE_MAX_FLUIDS + 1] = {0.0};
-  Volumes         of = {.scene = scene, .l = l, .corners = corners, .shift = shift};
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < rounds * (SceneFluids(scene) - 1); k++) {
-    PetscReal own = 0.0, way;
-
-    of.fluid = 1 + k % (SceneFluids(scene) - 1);
-    for (PetscInt i = 0; i < p->n_fluid; i++)
-      own += p->volume[i] * ParticlesFluidShare(p, i, of.fluid);
-    PetscCall(FindLevel(p, own, -most, most, &of, &way));
-  }
-  for (PetscInt k = 0; k < corners->all; k++) {
-    PetscReal      phi;
-    const PetscInt fluid = Shifted(&of, k, &phi);
-
-    if (fluid != corners->fluid[k]) corners->other[k] = corners->fluid[k];
-    corners->fluid[k] = fluid;
-    corners->phi[k]   = PetscMax(phi, TIE * scene->dx);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* StrainNodesFind - Sets the block of cells, and computes distances at its corners: from bodies,
-   from interfaces of fluids, and below the free surface. Collective if cells end at a free surface.
-   Input: edge - of a cell [dx]. */
+/* StrainNodesFind - Sets the block of cells, and computes distances at its corners from bodies and
+   from interfaces of fluids. Not collective. Input: edge - of a cell [dx]. */
 PetscErrorCode StrainNodesFind(const Scene *scene, const Particles *p, PetscReal edge,
-                               const StrainQuantity *quantity, StrainLattice *l,
-                               StrainNodes *corners)
+                               StrainLattice *l, StrainNodes *corners)
 {
   PetscFunctionBegin;
   if (SetBlock(scene, p, edge, l) || (scene->n_bodies && !l->distance) ||
       scene->pose) /* bodies move */
     PetscCall(SetDistances(scene, l));
-  corners->all = CornerCount(l);
+  corners->all = StrainCornerCount(l);
   if (p->fluid) {
     PetscCall(PetscMalloc3(corners->all, &corners->fluid, corners->all, &corners->other,
                            corners->all, &corners->phi));
     PetscCall(SetFluids(scene, p, l, corners));
   }
-  if (!quantity->cut) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(corners->all, &corners->depth));
-  PetscCall(FindSurface(scene, p, l, corners));
-  if (p->fluid) PetscCall(SetVolumes(scene, p, l, corners));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -388,6 +191,6 @@ PetscErrorCode StrainNodesFree(StrainNodes *corners)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree3(corners->fluid, corners->other, corners->phi));
-  PetscCall(FreeAll(&corners->depth, &corners->dry));
+  PetscCall(FreeAll(&corners->depth, &corners->dry, &corners->level, &corners->apart));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

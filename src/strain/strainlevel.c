@@ -8,10 +8,10 @@
 */
 #include "strain.h"
 
-#define LEVEL_MOST  40   /* steps */
-#define SHARE_STEPS 16   /* of a quadrature of the kernel */
-#define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
-#define SLOPE_STEP  1e-4 /* of differences of the parts behind walls, over the radius */
+#define LEVEL_MOST  40    /* steps */
+#define SHARE_STEPS 16    /* of a quadrature of the kernel */
+#define LEVEL_CLOSE 1e-10 /* error of the volume at which they end, over it */
+#define SLOPE_STEP  1e-4  /* of differences of the parts behind walls, over the radius */
 
 /* Returns the kernel of the concentration, wendland_c2, at its centre [1/m^dim]. */
 static PetscReal WholeWeight(PetscInt dim, PetscReal R)
@@ -167,34 +167,71 @@ static PetscReal WithAngles(const WallsAround *walls, PetscReal C)
   return (C + walls->behind[0] - 0.5 * walls->behind[1]) / (1.0 - walls->behind[1]);
 }
 
-/* StrainConcentration - Computes the concentration at a place from the particles around it; not
-   collective. Input: cells - of edge 3 dx at least; list - work. */
-PetscErrorCode StrainConcentration(const Scene *scene, const Particles *p, const Cells *cells,
-                                   const PetscReal x[], PetscInt list[], PetscReal *C)
+/* Returns the part of particle j, with its images, in the concentration at x. */
+static PetscReal PartOf(const Scene *scene, const Particles *p, const WallsAround *walls,
+                        const PetscReal x[], PetscInt j)
 {
-  const PetscReal R = LEVEL_REACH * scene->dx;
-  WallsAround     walls;
-  PetscInt        n;
+  PetscReal X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], volume, sum = 0.0;
 
-  PetscFunctionBegin;
-  *C = 0.0;
-  PetscCall(CellsFind(cells, x, R, cells->n, list, &n));
-  if (!n) PetscFunctionReturn(PETSC_SUCCESS);
-  FindWalls(scene, R, x, &walls);
-  for (PetscInt q = 0; q < n; q++) {
-    PetscReal X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], volume;
+  for (PetscInt m = 0; BodyOf(scene, p, j, m, x, X, &volume); m++) {
+    const PetscInt in = ImagesOf(scene, walls, x, X);
 
-    for (PetscInt m = 0; BodyOf(scene, p, list[q], m, x, X, &volume); m++) {
-      const PetscInt in = ImagesOf(scene, &walls, x, X);
-
-      for (PetscInt set = 0; set < 1 << walls.n; set++) {
-        if (set & ~in) continue;
-        MirrorImage(p->dim, walls.n, walls.plane, set, X, Y);
-        *C += volume * WeightAt(p->dim, R, Y);
-      }
+    for (PetscInt set = 0; set < 1 << walls->n; set++) {
+      if (set & ~in) continue;
+      MirrorImage(p->dim, walls->n, walls->plane, set, X, Y);
+      sum += volume * WeightAt(p->dim, LEVEL_REACH * scene->dx, Y);
     }
   }
-  if (*C > 0.0) *C = WithAngles(&walls, *C);
+  return sum;
+}
+
+/* StrainParts - Computes the concentration at a place from the particles around it. Not collective.
+   Input: cells - of edge 3 dx at least. Output: list, n - the particles; part - of each, whose sum
+   the walls there change to C. */
+PetscErrorCode StrainParts(const Scene *scene, const Particles *p, const Cells *cells,
+                           const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal part[],
+                           PetscReal *C)
+{
+  const PetscReal R     = LEVEL_REACH * scene->dx;
+  PetscReal       whole = 0.0;
+  WallsAround     walls;
+
+  PetscFunctionBegin;
+  PetscCall(CellsFind(cells, x, R, cells->n, list, n));
+  if (*n) FindWalls(scene, R, x, &walls);
+  for (PetscInt q = 0; q < *n; q++) {
+    part[q] = PartOf(scene, p, &walls, x, list[q]);
+    whole += part[q];
+  }
+  *C = whole > 0.0 ? WithAngles(&walls, whole) : 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the mean of the levels of particles, weighted with their parts. */
+static PetscReal MeanLevel(PetscInt n, const PetscInt list[], const PetscReal part[],
+                           const PetscReal level[])
+{
+  PetscReal sum[2] = {0.0};
+
+  for (PetscInt q = 0; q < n; q++) {
+    sum[0] += part[q];
+    sum[1] += part[q] * level[list[q]];
+  }
+  return sum[0] > 0.0 ? sum[1] / sum[0] : LEVEL_PLANE;
+}
+
+/* StrainExcess - Computes the concentration at a place less its level, the mean of the levels of
+   the particles around. Not collective. Input: cells - of edge 3 dx at least; level - by local
+   index; list, part - work. */
+PetscErrorCode StrainExcess(const Scene *scene, const Particles *p, const Cells *cells,
+                            const PetscReal level[], const PetscReal x[], PetscInt list[],
+                            PetscReal part[], PetscReal *excess)
+{
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(StrainParts(scene, p, cells, x, list, &n, part, excess));
+  *excess -= MeanLevel(n, list, part, level);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,25 +247,30 @@ static void AddSlope(PetscInt dim, PetscReal R, const PetscReal X[], PetscReal f
     slope[a] -= 20.0 * f * WholeWeight(dim, R) * PetscPowRealInt(1.0 - q, 3) * X[a] / (R * R);
 }
 
-/* StrainSlopes - Computes the derivatives of the concentration at a place. Not collective. Input:
-   cells - of edge 3 dx at least. Output: list, n - particles around; slope - by the place of each,
-   dim numbers [1/m]; gradient - by the place itself, for walls at rest [1/m]; value - the part that
-   the particles have. Those of mirror images and of the parts behind walls are walls' too. */
+/* StrainSlopes - Computes the derivatives of the concentration less its level at a place. Not
+   collective. Input: cells - of edge 3 dx at least; level - by local index; part - work. Output:
+   list, n - particles around; slope - by the place of each, dim numbers [1/m]; gradient - by the
+   place itself, for walls at rest [1/m]; value - the part that the particles have. Those of mirror
+   images and of the parts behind walls are walls' too. */
 PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells *cells,
-                            const PetscReal x[], PetscInt list[], PetscInt *n, PetscReal slope[],
-                            PetscReal gradient[], PetscReal *value)
+                            const PetscReal level[], const PetscReal x[], PetscInt list[],
+                            PetscReal part[], PetscInt *n, PetscReal slope[], PetscReal gradient[],
+                            PetscReal *value)
 {
   const PetscInt  d = p->dim;
   const PetscReal R = LEVEL_REACH * scene->dx;
-  PetscReal       C = 0.0;
+  PetscReal       mean, whole = PETSC_MACHINE_EPSILON;
   WallsAround     walls;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < d; a++) gradient[a] = 0.0;
-  PetscCall(CellsFind(cells, x, R, cells->n, list, n));
+  PetscCall(StrainParts(scene, p, cells, x, list, n, part, value));
   FindWalls(scene, R, x, &walls);
+  mean = MeanLevel(*n, list, part, level);
+  for (PetscInt q = 0; q < *n; q++) whole += part[q];
   for (PetscInt q = 0; q < *n; q++) {
-    PetscReal X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], of[ISPH_MAX_DIM], volume;
+    const PetscReal f = 1.0 / (1.0 - walls.behind[1]) - (level[list[q]] - mean) / whole;
+    PetscReal       X[ISPH_MAX_DIM], Y[ISPH_MAX_DIM], of[ISPH_MAX_DIM], volume;
 
     for (PetscInt a = 0; a < d; a++) slope[q * d + a] = 0.0;
     for (PetscInt m = 0; BodyOf(scene, p, list[q], m, x, X, &volume); m++) {
@@ -239,15 +281,14 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
 
         if (set & ~in) continue;
         MirrorImage(d, walls.n, walls.plane, set, X, Y);
-        AddSlope(d, R, Y, volume / (1.0 - walls.behind[1]), by);
-        C += volume * WeightAt(d, R, Y);
+        AddSlope(d, R, Y, volume * f, by);
         MirrorImage(d, walls.n, walls.turn, set, by, of);
         for (PetscInt a = 0; a < d; a++) gradient[a] -= by[a];
         for (PetscInt a = 0; a < d; a++) slope[q * d + a] += of[a];
       }
     }
   }
-  *value = C / (1.0 - walls.behind[1]);
+  *value = whole / (1.0 - walls.behind[1]);
   for (PetscInt k = 0; k < 2 * d && walls.behind[0] != 0.0; k++) { /* C with the walls elsewhere */
     const PetscReal step = k % 2 ? SLOPE_STEP * R : -SLOPE_STEP * R;
     PetscReal       y[ISPH_MAX_DIM];
@@ -255,38 +296,56 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
 
     for (PetscInt a = 0; a < d; a++) y[a] = x[a] + (a == k / 2 ? step : 0.0);
     FindWalls(scene, R, y, &there);
-    gradient[k / 2] += WithAngles(&there, C) / (2.0 * step);
+    gradient[k / 2] += WithAngles(&there, whole) / (2.0 * step);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StrainLevel - Finds the level tau between two bounds at which own cells of all ranks have the
-   volume of the particles, by false position; collective. Input: own - volume of this rank's
-   particles; Volume - of this rank's cells at a level, which falls with it. */
-PetscErrorCode StrainLevel(const Particles *p, PetscReal own, PetscReal low, PetscReal high,
-                           StrainVolume Volume, void *ctx, PetscReal *tau)
+/* StrainLevels - Finds levels between two bounds at which the cells of all ranks have the volumes
+   of the particles, by false position in all of them at once. Collective. Input: n - pieces of the
+   fluid; own - volumes of this rank's particles; Volumes - of this rank's cells at levels, each of
+   which falls with its own. Output: level. */
+PetscErrorCode StrainLevels(const Particles *p, PetscInt n, const PetscReal own[], PetscReal low,
+                            PetscReal high, StrainVolumesAt Volumes, void *ctx, PetscReal level[])
 {
-  PetscReal at[2] = {low, high}, off[2], wanted;
-  PetscInt  last  = -1; /* the end that has moved */
+  const PetscReal end[] = {low, high};
+  PetscReal      *at[2], *off[2], *now, *wanted, whole = 0.0, worst = PETSC_INFINITY;
+  PetscInt       *last; /* the end that has moved; -1: none, -2: no level has the volume */
 
   PetscFunctionBegin;
-  for (PetscInt e = 0; e < 2; e++) off[e] = Volume(ctx, at[e]) - own;
-  PetscCallMPI(MPI_Allreduce(&own, &wanted, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPIU_REAL, MPIU_SUM, p->comm));
-  *tau = off[0] <= 0.0 ? at[0] : at[1];
-  for (PetscInt k = 0; k < LEVEL_MOST && off[0] > 0.0 && off[1] < 0.0; k++) {
-    PetscReal now;
-    PetscInt  e;
-
-    *tau = (off[0] * at[1] - off[1] * at[0]) / (off[0] - off[1]);
-    now  = Volume(ctx, *tau) - own;
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &now, 1, MPIU_REAL, MPIU_SUM, p->comm));
-    if (PetscAbsReal(now) <= LEVEL_CLOSE * wanted) break;
-    e = now > 0.0 ? 0 : 1;
-    if (e == last) off[1 - e] *= 0.5; /* Illinois: an end must not stay for ever */
-    at[e]  = *tau;
-    off[e] = now;
-    last   = e;
+  PetscCall(
+      PetscMalloc7(n, &at[0], n, &at[1], n, &off[0], n, &off[1], n, &now, n, &wanted, n, &last));
+  PetscCallMPI(MPI_Allreduce(own, wanted, (int)n, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt e = 0; e < 2; e++) {
+    for (PetscInt k = 0; k < n; k++) level[k] = at[e][k] = end[e];
+    PetscCall(Volumes(ctx, level, off[e]));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off[e], (int)n, MPIU_REAL, MPIU_SUM, p->comm));
   }
+  for (PetscInt k = 0; k < n; k++) {
+    whole += wanted[k];
+    off[0][k] -= wanted[k];
+    off[1][k] -= wanted[k];
+    last[k]  = off[0][k] > 0.0 && off[1][k] < 0.0 ? -1 : -2;
+    level[k] = off[0][k] <= 0.0 ? low : high;
+  }
+  for (PetscInt step = 0; step < LEVEL_MOST && worst > LEVEL_CLOSE * whole; step++) {
+    worst = 0.0;
+    for (PetscInt k = 0; k < n; k++)
+      if (last[k] > -2)
+        level[k] = (off[0][k] * at[1][k] - off[1][k] * at[0][k]) / (off[0][k] - off[1][k]);
+    PetscCall(Volumes(ctx, level, now));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, now, (int)n, MPIU_REAL, MPIU_SUM, p->comm));
+    for (PetscInt k = 0; k < n; k++) {
+      const PetscInt e = now[k] > wanted[k] ? 0 : 1;
+
+      if (last[k] == -2) continue;
+      worst = PetscMax(worst, PetscAbsReal(now[k] - wanted[k]));
+      if (e == last[k]) off[1 - e][k] *= 0.5; /* Illinois: an end must not stay for ever */
+      at[e][k]  = level[k];
+      off[e][k] = now[k] - wanted[k];
+      last[k]   = e;
+    }
+  }
+  PetscCall(PetscFree7(at[0], at[1], off[0], off[1], now, wanted, last));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -110,21 +110,22 @@ static void WayOf(const Scene *scene, PetscInt side, const PetscReal x[], const 
 }
 
 /* StrainMotion - Computes the velocities of the corners of the surface. Not collective. Input:
-   points - of the rows of the surface; dry - walls that are not wet, by local index. Output:
+   points - of the rows of the surface; corners - levels, and walls that are not wet. Output:
    cells->surface.motion. Mirror images and parts of the level behind walls move with the walls:
    their part goes to the nearest wall particle. */
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            const PetscBool dry[], StrainCells *cells)
+                            const StrainNodes *corners, StrainCells *cells)
 {
   StrainSurface *s    = &cells->surface;
   const PetscInt d    = p->dim;
   Cells          near = {0};
   PetscInt      *list, *place;
-  PetscReal     *slope, *w;
+  PetscReal     *slope, *part, *w;
 
   PetscFunctionBegin;
   PetscCall(CellsBuild(p, LEVEL_REACH * scene->dx, &near));
-  PetscCall(PetscMalloc3(near.n + 1, &list, d * (near.n + 1), &slope, ParticlesAll(p), &place));
+  PetscCall(PetscMalloc4(near.n + 1, &list, d * (near.n + 1), &slope, near.n + 1, &part,
+                         ParticlesAll(p), &place));
   for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
   PetscCall(BeginBlocks(d * d, s->n_corners, &s->motion));
   PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(s->n_corners + 1), &s->depth));
@@ -134,7 +135,9 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
     PetscReal C = 0.0, size = PETSC_MACHINE_EPSILON, at[ISPH_MAX_DIM] = {0.0}, length;
 
     for (PetscInt a = 0; a < d; a++) x[a] = points->x[a][s->first + v];
-    if (s->on_level[v]) PetscCall(StrainSlopes(scene, p, &near, x, list, &n, slope, normal, &C));
+    if (s->on_level[v])
+      PetscCall(
+          StrainSlopes(scene, p, &near, corners->level, x, list, part, &n, slope, normal, &C));
     else n = -1; /* it moves with the fits */
     for (PetscInt a = 0; a < d; a++) {
       if (n < 0) normal[a] = 0.0;
@@ -147,7 +150,7 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
       rest[a] = normal[a];
     }
     WayOf(scene, points->side[s->first + v], x, normal, way);
-    wall = NearestWall(p, dry, x, n, list);
+    wall = NearestWall(p, corners->dry, x, n, list);
     for (PetscInt q = 0; q <= n; q++) {
       const PetscInt   j  = q < n ? list[q] : wall;
       const PetscReal *of = q < n ? &slope[q * d] : rest;
@@ -169,7 +172,7 @@ PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const Strain
     }
     EndBlocks(v, &s->motion, place);
   }
-  PetscCall(PetscFree3(list, slope, place));
+  PetscCall(PetscFree4(list, slope, part, place));
   PetscCall(CellsFree(&near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -290,23 +293,20 @@ static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *fac
   StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
   there, and the weights of the rows, on which body forces act,
 
-    (w_i)_ab = sum_c r_c s_c sum_f (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
+    (w_i)_ab = sum_c r_c sum_f (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
 
-  over facets f of c, with the density r_c of its fluid over that of fluid 0, and the volume s_c of
-  the particles of its piece over that of the cells there. A particle without cells has the weight
-  of its own volume. Collective. The gradient of a linear pressure in each fluid that vanishes on
-  the surface then balances a uniform force, and pieces of the fluid fall as their particles do.
+  over facets f of c, with the density r_c of its fluid over that of fluid 0. A particle without
+  cells has the weight of its own volume. Not collective. The gradient of a linear pressure in each
+  fluid that vanishes on the surface then balances a uniform force.
 */
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
                             const Facets *facets, StrainCells *s)
 {
   const PetscInt d = p->dim;
   PetscInt      *place;
-  PetscReal     *share;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(ParticlesAll(p), &place, s->n + 1, &share));
-  PetscCall(StrainShares(scene, p, s, share));
+  PetscCall(PetscMalloc1(ParticlesAll(p), &place));
   for (PetscInt j = 0; j < ParticlesAll(p); j++) place[j] = -1;
   for (PetscInt k = 0; k < d * d; k++) {
     PetscCall(PetscFree(s->weight[k]));
@@ -320,8 +320,8 @@ PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const Strain
     for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
       const PetscInt v = facets->facet[k].point - s->surface.first;
 
-      AddWeights(p, points, s, &facets->facet[k], c,
-                 SceneFluidDensity(scene, s->fluid[c]) * share[c], own, s->weight);
+      AddWeights(p, points, s, &facets->facet[k], c, SceneFluidDensity(scene, s->fluid[c]), own,
+                 s->weight);
       if (v >= 0 && s->surface.on_level[v])
         PetscCall(AddFlux(d, s, &facets->facet[k], c, place, &s->flux));
     }
@@ -330,6 +330,6 @@ PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const Strain
   for (PetscInt i = 0; i < p->n_fluid; i++)
     for (PetscInt a = 0; a < d && s->apart[i]; a++)
       s->weight[a * d + a][i] += s->mass[s->sets == 1 ? 0 : a][i];
-  PetscCall(PetscFree2(place, share));
+  PetscCall(PetscFree(place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,6 @@
 /* The pieces of the fluid, or of a fluid: strain cells that touch by their sides. A piece has the
    least id of its particles as its name, which is the same on all ranks and goes from rank to rank
-   by the halo. One level holds the volume of all pieces, not that of each: small drops are smaller
-   than their particles, and single particles have no cells. */
+   by the halo. Single particles have no cells, and are in no piece. */
 #include "strain.h"
 
 /* Returns the root of a cell in a forest of cells that touch. */
@@ -20,52 +19,71 @@ static PetscInt PlaceOf(const Scene *scene, const StrainLattice *l, const PetscR
   return k;
 }
 
-/* Returns true if a cell is in a fluid; -1: in any. */
-static PetscBool IsIn(const StrainCells *s, PetscInt fluid, PetscInt c)
+/* Joins the lattice cells of this rank that have fluid and touch. Output: parent - forest. */
+static void Join(const StrainLattice *l, PetscInt all, const PetscBool wet[], PetscInt parent[])
 {
-  return fluid < 0 || s->fluid[c] == fluid ? PETSC_TRUE : PETSC_FALSE;
-}
+  for (PetscInt k = 0; k < all; k++) {
+    PetscInt step = 1;
 
-/* Joins the cells of this rank that touch. Output: at - a cell by its place in the block, -1: none;
-   parent - forest. */
-static void Join(const Scene *scene, const StrainCells *s, PetscInt fluid, PetscInt all,
-                 PetscInt at[], PetscInt parent[])
-{
-  const StrainLattice *l = &s->lattice;
-
-  for (PetscInt k = 0; k < all; k++) at[k] = -1;
-  for (PetscInt c = 0; c < s->n; c++) {
-    PetscReal x[ISPH_MAX_DIM];
-    PetscInt  k, step = 1;
-
-    parent[c] = c;
-    if (!IsIn(s, fluid, c)) continue;
-    for (PetscInt a = 0; a < l->dim; a++) x[a] = s->centre[a][c];
-    k         = PlaceOf(scene, l, x);
-    parent[c] = at[k] < 0 ? c : at[k]; /* of several fluids in a lattice cell */
-    at[k]     = parent[c];
-    for (PetscInt a = 0; a < l->dim; step *= l->n[a++]) /* earlier cells */
-      if (k / step % l->n[a] > 0 && at[k - step] >= 0)
-        parent[RootOf(c, parent)] = RootOf(at[k - step], parent);
+    parent[k] = k;
+    for (PetscInt a = 0; a < l->dim && wet[k]; step *= l->n[a++]) /* earlier cells */
+      if (k / step % l->n[a] > 0 && wet[k - step])
+        parent[RootOf(k, parent)] = RootOf(k - step, parent);
   }
 }
 
-/* Sets the names of pieces of a fluid. Output: piece - by cell, -1 without particles; of - by
-   particle that is no wall, -1 without a cell, and of fluid that waits at own walls; NULL: not
-   wanted. */
-static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const StrainCells *s,
-                                 PetscInt fluid, PetscInt piece[], PetscInt of[])
+static PetscInt CellsOf(const StrainLattice *l)
 {
-  const StrainLattice *l   = &s->lattice;
-  PetscInt             all = 1, *at, *parent;
-  PetscReal           *name;
-  int                  changed = 1;
+  PetscInt all = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
+  return all;
+}
+
+/* Returns the place of the wet lattice cell nearest to x, within half a spacing, which a particle
+   there reaches; -1: none. */
+static PetscInt WetPlace(const Scene *scene, const StrainLattice *l, const PetscBool wet[],
+                         const PetscReal x[])
+{
+  PetscReal near = PetscSqr(0.5 * scene->dx);
+  PetscInt  best = -1, all = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) all *= 3;
+  for (PetscInt m = 0; m < all; m++) {
+    PetscReal far   = 0.0;
+    PetscInt  place = 0;
+
+    for (PetscInt a = l->dim - 1, of = m; a >= 0; a--, of /= 3) {
+      const PetscInt  k  = StrainIndexAlong(scene, l, a, x[a]) + of % 3 - 1;
+      const PetscReal lo = scene->lo[a] + (l->first[a] + k) * l->edge[a];
+
+      if (k < 0 || k >= l->n[a]) far = PETSC_INFINITY;
+      far += PetscSqr(PetscMax(PetscMax(lo - x[a], x[a] - lo - l->edge[a]), 0.0));
+      place = place * l->n[a] + k;
+    }
+    if (far > near || !wet[place] || (best >= 0 && far == near)) continue;
+    near = far;
+    best = place;
+  }
+  return best;
+}
+
+/* Sets the names of pieces of a fluid. Output: piece - by lattice cell, -1 without particles; of -
+   by particle that is no wall, -1 without a cell, and of fluid that waits at own walls; NULL: not
+   wanted. */
+static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                 const PetscBool wet[], PetscInt fluid, PetscInt piece[],
+                                 PetscInt of[])
+{
+  const PetscInt all = CellsOf(l);
+  PetscInt      *parent;
+  PetscReal     *name;
+  int            changed = 1;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
-  PetscCall(PetscMalloc3(all, &at, s->n, &parent, ParticlesAll(p), &name));
-  Join(scene, s, fluid, all, at, parent);
-  for (PetscInt c = 0; c < s->n; c++) piece[c] = PETSC_MAX_INT;
+  PetscCall(PetscMalloc2(all, &parent, ParticlesAll(p), &name));
+  Join(l, all, wet, parent);
+  for (PetscInt k = 0; k < all; k++) piece[k] = PETSC_MAX_INT;
   for (PetscInt i = 0; i < ParticlesAll(p); i++) name[i] = (PetscReal)p->id[i];
   while (changed) {
     changed = 0;
@@ -73,40 +91,36 @@ static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const S
     for (PetscInt pass = 0; pass < 2; pass++) {
       for (PetscInt i = 0; i < ParticlesAll(p); i++) {
         PetscReal x[ISPH_MAX_DIM];
-        PetscInt  c;
+        PetscInt  k;
 
         if (ParticlesIsWall(p, i) || (fluid >= 0 && (PetscInt)p->fluid[i] != fluid)) continue;
         for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-        c = at[PlaceOf(scene, l, x)];
-        if (c < 0) continue;
-        c = RootOf(c, parent);
-        if (!pass) piece[c] = PetscMin(piece[c], (PetscInt)name[i]);
-        else if (i < p->n_fluid && (PetscReal)piece[c] < name[i]) {
-          name[i] = (PetscReal)piece[c];
+        k = WetPlace(scene, l, wet, x);
+        if (k < 0) continue;
+        k = RootOf(k, parent);
+        if (!pass) piece[k] = PetscMin(piece[k], (PetscInt)name[i]);
+        else if (i < p->n_fluid && (PetscReal)piece[k] < name[i]) {
+          name[i] = (PetscReal)piece[k];
           changed = 1;
         }
       }
     }
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, p->comm));
   }
-  for (PetscInt c = 0; c < s->n; c++) {
-    const PetscInt root = RootOf(c, parent);
-
-    if (root != c) piece[c] = piece[root];
-  }
-  for (PetscInt c = 0; c < s->n; c++)
-    if (piece[c] == PETSC_MAX_INT) piece[c] = -1;
+  for (PetscInt k = 0; k < all; k++) piece[k] = piece[RootOf(k, parent)];
+  for (PetscInt k = 0; k < all; k++)
+    if (piece[k] == PETSC_MAX_INT) piece[k] = -1;
   for (PetscInt i = 0; of && i < ParticlesOwn(p); i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, length;
-    PetscInt  c;
+    PetscInt  k;
 
     of[i] = -1;
     if (i >= p->n_fluid && !StrainWaits(scene, p, i, x, &length)) continue;
     for (PetscInt a = 0; a < p->dim && i < p->n_fluid; a++) x[a] = p->x[a][i];
-    c = at[PlaceOf(scene, l, x)];
-    if (c >= 0) of[i] = piece[c];
+    k = WetPlace(scene, l, wet, x);
+    if (k >= 0) of[i] = piece[k];
   }
-  PetscCall(PetscFree3(at, parent, name));
+  PetscCall(PetscFree2(parent, name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,55 +129,66 @@ static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const S
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const StrainCells *s,
                             PetscInt fluid, PetscInt piece[])
 {
+  const PetscInt all = CellsOf(&s->lattice);
+  PetscBool     *wet;
+  PetscInt      *name;
+
   PetscFunctionBegin;
-  PetscCall(NamePieces(scene, p, s, fluid, piece, NULL));
+  PetscCall(PetscCalloc2(all, &wet, all, &name));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt c = 0; c < s->n; c++) {
+      PetscReal x[ISPH_MAX_DIM];
+      PetscInt  k;
+
+      for (PetscInt a = 0; a < p->dim; a++) x[a] = s->centre[a][c];
+      k = PlaceOf(scene, &s->lattice, x);
+      if (pass) piece[c] = fluid < 0 || s->fluid[c] == fluid ? name[k] : -1;
+      else if (fluid < 0 || s->fluid[c] == fluid) wet[k] = PETSC_TRUE;
+    }
+    if (!pass) PetscCall(NamePieces(scene, p, &s->lattice, wet, fluid, name, NULL));
+  }
+  PetscCall(PetscFree2(wet, name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the volume that own particle i stands for: its own or, if it is a wall particle of an
-   inflow, that of the fluid that waits there. */
-static PetscReal VolumeOf(const Scene *scene, const Particles *p, PetscInt i)
+/* StrainPiecesNumber - Numbers the pieces of the fluid by their names. Collective. Input: wet -
+   lattice cells that have fluid. Output: piece - of particles and of fluid that waits at walls, by
+   local index, n of those in no piece; n - pieces; single - particles in none. */
+PetscErrorCode StrainPiecesNumber(const Scene *scene, const Particles *p, const StrainLattice *l,
+                                  const PetscBool wet[], PetscReal piece[], PetscInt *n,
+                                  PetscInt *single)
 {
-  PetscReal x[ISPH_MAX_DIM] = {0.0}, length;
-
-  if (i < p->n_fluid) return p->volume[i];
-  if (!StrainWaits(scene, p, i, x, &length)) return 0.0;
-  return p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[i] / 2);
-}
-
-/* StrainShares - Compares the volumes of the pieces of the fluid with those of their particles.
-   Collective. Output: share - volume of the particles of a piece over that of its cells, by cell;
-   cells->apart, cells->astray. */
-PetscErrorCode StrainShares(const Scene *scene, const Particles *p, StrainCells *s,
-                            PetscReal share[])
-{
-  PetscInt *piece, *of, last = -1, next;
+  const PetscInt own  = ParticlesOwn(p);
+  PetscInt       here = 0, *name, *of, *all, *sorted;
+  PetscMPIInt    ranks, mine, *count, *first;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(s->n + 1, &piece, ParticlesOwn(p) + 1, &of));
-  PetscCall(NamePieces(scene, p, s, -1, piece, of));
-  PetscCall(PetscRealloc(sizeof(PetscBool) * (size_t)(p->n_fluid + 1), &s->apart));
-  for (PetscInt i = 0; i < p->n_fluid; i++) s->apart[i] = of[i] < 0 ? PETSC_TRUE : PETSC_FALSE;
-  s->astray = 0.0;
-  do { /* the piece whose name is next on all ranks; at first cells without particles, -1 */
-    PetscReal volume[2] = {0.0, 0.0}; /* of cells, of particles */
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(
+      PetscMalloc5(CellsOf(l), &name, own, &of, own, &sorted, ranks, &count, ranks + 1, &first));
+  PetscCall(NamePieces(scene, p, l, wet, -1, name, of));
+  for (PetscInt i = 0; i < own; i++)
+    if (of[i] >= 0) sorted[here++] = of[i];
+  PetscCall(PetscSortRemoveDupsInt(&here, sorted));
+  mine = (PetscMPIInt)here;
+  PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, p->comm));
+  *single = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) *single += of[i] < 0 ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, single, 1, MPIU_INT, MPI_SUM, p->comm));
+  first[0] = 0;
+  for (PetscMPIInt r = 0; r < ranks; r++) first[r + 1] = first[r] + count[r];
+  PetscCall(PetscMalloc1(first[ranks] + 1, &all));
+  PetscCallMPI(MPI_Allgatherv(sorted, mine, MPIU_INT, all, count, first, MPIU_INT, p->comm));
+  *n = first[ranks];
+  PetscCall(PetscSortRemoveDupsInt(n, all));
+  for (PetscInt i = 0; i < ParticlesAll(p); i++) {
+    PetscInt at = *n;
 
-    next = PETSC_MAX_INT;
-    for (PetscInt c = 0; c < s->n; c++) {
-      PetscReal x[ISPH_MAX_DIM];
-
-      if (piece[c] == last && StrainHasCell(p, s, c, x)) volume[0] += s->volume[c];
-      if (piece[c] > last) next = PetscMin(next, piece[c]);
-    }
-    for (PetscInt i = 0; i < ParticlesOwn(p) && last >= 0; i++)
-      if (of[i] == last) volume[1] += VolumeOf(scene, p, i);
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volume, 2, MPIU_REAL, MPIU_SUM, p->comm));
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &next, 1, MPIU_INT, MPI_MIN, p->comm));
-    for (PetscInt c = 0; c < s->n; c++)
-      if (piece[c] == last) share[c] = volume[0] > 0.0 ? volume[1] / volume[0] : 1.0;
-    s->astray += PetscMax(volume[0] - volume[1], 0.0);
-    last = next;
-  } while (next < PETSC_MAX_INT);
-  PetscCall(PetscFree2(piece, of));
+    if (i < own && of[i] >= 0) PetscCall(PetscFindInt(of[i], *n, all, &at));
+    piece[i] = (PetscReal)at;
+  }
+  PetscCall(ParticlesHaloField(p, piece));
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree5(name, of, sorted, count, first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
