@@ -52,6 +52,8 @@ for words in (["-help"],) if parallel else (["-help"], ["-h"], ["--help"], ["-ca
     assert re.search(r"^  <side> stands for +left, right, bottom, top, back, front$", text, re.M), text
 found = isph("-help", "VISCOSITY")
 assert "  -viscosity " in found and "  -rheology_viscosity_min " in found and "  -case " not in found, found
+for word, option in (("drag", "-probe_forces"), ("temperature", "-scene_scalar_<k>_name"), ("outlet", "-scene_outflow"), ("mu", "-viscosity")):
+    assert isph("-help", word).startswith(f"  {option} "), word
 assert "  -body_force " in isph("-help", "gravity") and "no option has" in isph("-help", "nonsense")
 # Steps of two hundred diffusion times reach a steady pressure slowly by the incremental projection, at once by the coupled scheme.
 slow = ("-case", "cavity", "-reynolds", "1", "-motion", "eulerian", "-n", "12", "-dt", "200", "-t_end", "2000")
