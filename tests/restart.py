@@ -154,6 +154,7 @@ def bitwise(*command):
     n = 2 if len(command) > 1 else 1
     for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]),
                        ("coupled", ["-scheme", "coupled"]), ("same", SAME),
+                       ("falls", ["-scheme", "coupled", "-coupled_ksp_max_it", "3", "-coupled_ksp_rtol", "1e-9"]),
                        ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                        ("graded", ["-motion", "eulerian", "-spacing_wall", "0.7"]),
                        ("graded_same", [*SAME, "-motion", "eulerian", "-spacing_wall", "0.7"]),
@@ -237,6 +238,13 @@ def status(*command):
     process.send_signal(signal.SIGINT)
     assert process.communicate()[1].startswith("isph: interrupted by SIGINT"), "SIGINT"
     assert process.returncode == 130, process.returncode
+    steady = ["-case", "cavity", "-n", "40", "-motion", "eulerian", "-scheme", "coupled", "-steady", "-report", "s.csv"]
+    process = subprocess.Popen([command[0], *steady], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    next(line for line in process.stdout if line.startswith("solver"))  # of the banner
+    process.send_signal(signal.SIGINT)  # between two solves of the iteration, the one step of this run
+    error = process.communicate()[1]
+    assert error.startswith("isph: interrupted by SIGINT in iteration"), error
+    assert process.returncode == 130 and {row[0] for row in report("s.csv")} == {"interrupted"}, process.returncode
     for n in 1, 2:
         limited = ["sh", "-c", "ulimit -S -t 1; exec \"$0\" \"$@\"", command[0], *flow]
         done = subprocess.run([*ranked(command, n)[:-1], *limited], capture_output=True, text=True, check=False)

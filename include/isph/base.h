@@ -80,6 +80,9 @@ PetscErrorCode ObjectsDestroy(void *first, ...) __attribute__((sentinel));
 /* Error code of a run that a signal interrupted, 128 plus its number; also its exit status, as of a
    program that the signal ends in a shell. */
 #define ERROR_INTERRUPTED(signal) ((PetscErrorCode)(128 + (signal)))
+PetscErrorCode InterruptInstall(void);
+PetscErrorCode InterruptCheck(PetscMPIInt *signal);
+const char    *InterruptName(PetscMPIInt signal);
 
 /* An error as it was found, for a handler that deals with it later. */
 typedef struct {

@@ -38,7 +38,6 @@ PetscErrorCode RunShowBanner(Run *run, PetscViewer viewer);
 PetscErrorCode RunReport(Run *run, PetscErrorCode failed, PetscViewer viewer);
 PetscErrorCode RunDestroy(Run *run);
 PetscErrorCode RunWriteCheckpoint(Run *run, const char path[], PetscBool final);
-PetscErrorCode InterruptInstall(void);
 
 /* Start with the particles of -particles. */
 PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[]);

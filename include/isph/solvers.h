@@ -31,6 +31,7 @@ typedef struct {
   PetscBool   flat; /* particles fill a plane, whose matrices have factors with few entries */
   PetscBool   approximate;  /* the preconditioner is of another matrix, even a factorisation */
   PetscBool   inner;        /* part of a nonlinear solve, which checks its own residual instead */
+  PetscBool   keeps;        /* a fallback that solved twice in a row is kept, see GuardSolve() */
   PetscInt    max_in_a_row; /* allowed fallbacks in a row; -1: no fallback */
   KSP         level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
   PetscBool   failed;                 /* a solve has failed since the last GuardCheck() */
@@ -46,9 +47,11 @@ typedef struct {
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard);
 PetscErrorCode GuardDetach(Guard *guard);
 PetscErrorCode GuardOnlyMultiplies(SNES snes, PCType type, const Guard *guard, PetscBool *only);
+PetscErrorCode GuardSolve(Guard *guard, Vec b, Vec x);
 PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure);
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);
+PetscBool      FallbackIsKept(const Guard *guard);
 
 /* solverviews.c */
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view);

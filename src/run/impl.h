@@ -13,8 +13,4 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);
 /* outputnames.c */
 PetscErrorCode RunCheckOutputs(void);
 
-/* interrupt.c */
-PetscErrorCode InterruptCheck(PetscMPIInt *signal);
-const char    *InterruptName(PetscMPIInt signal);
-
 #endif

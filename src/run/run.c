@@ -325,7 +325,8 @@ PetscErrorCode RunReport(Run *run, PetscErrorCode failed, PetscViewer viewer)
   PetscCall(PetscLogStagePush(run->stage[STAGE_OUTPUT]));
   if (!failed) PetscCall(ReportAll(run, signal ? "interrupted" : "ok", PETSC_TRUE, viewer));
   else if (failed == run->flow.scheme->failure.code)
-    PetscCall(ReportAll(run, "diverged", PETSC_FALSE, viewer));
+    PetscCall(ReportAll(run, failed > ERROR_INTERRUPTED(0) ? "interrupted" : "diverged",
+                        PETSC_FALSE, viewer));
   PetscCall(PetscLogStagePop());
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(!signal, PETSC_COMM_WORLD, ERROR_INTERRUPTED(signal),

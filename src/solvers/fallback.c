@@ -5,6 +5,8 @@
 
 #define RESIDUAL_SLACK 10.0 /* accepted true residual divided by the tolerance */
 #define RESIDUAL_WORST 0.1  /* largest true residual accepted with any tolerance */
+#define KEPT_FROM      2    /* solves in a row by fallbacks, from which they are kept */
+#define KEPT_FOR       16   /* solves, until the chosen method is tried again */
 
 /* SolveResidual - Computes the true residual |b - A x|/|b| of a solve. Collective. Output: good -
    flag: the method reports success, and the residual is at most ten times its tolerance and at most
@@ -66,19 +68,16 @@ static PetscInt MostRows(PetscInt k, const Guard *guard)
 }
 
 /* Creates the solver of a fallback when it is first needed. */
-static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
+static PetscErrorCode FallbackLevel(PetscInt k, Guard *guard)
 {
-  PetscReal rtol;
-  PC        pc;
+  PC pc;
 
   PetscFunctionBegin;
   if (guard->level[k]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->level[k]));
   PetscCall(KSPSetType(guard->level[k], levels[k].ksp));
   PetscCall(KSPGMRESSetRestart(guard->level[k], 60));
   PetscCall(KSPSetPCSide(guard->level[k], PC_RIGHT)); /* iterates on the true residual */
-  PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(guard->level[k], &pc));
   PetscCall(PCSetType(pc, levels[k].pc));
   if (PetscDefined(HAVE_MUMPS) && levels[k].most)
@@ -107,24 +106,60 @@ static PetscErrorCode FallbackSkips(const Guard *guard, PetscInt k, PetscInt row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* FallbackIsKept - Returns true if fallbacks solve in place of the chosen method, which has failed
+   in KEPT_FROM solves in a row; it is tried again after KEPT_FOR solves. Not collective. The count
+   is in the memory of the run, so that a restarted run takes the same methods. */
+PetscBool FallbackIsKept(const Guard *guard)
+{
+  const PetscInt falls = guard->solve.falls_in_a_row;
+
+  return guard->keeps && falls >= KEPT_FROM && falls < KEPT_FROM + KEPT_FOR;
+}
+
+/* Prints and counts a solve by a fallback. A kept one is counted only. */
+static PetscErrorCode Count(PetscInt k, PetscBool kept, Guard *guard)
+{
+  KSPType ksp_type;
+  PCType  pc_type;
+  char    stays[64] = "";
+
+  PetscFunctionBegin;
+  guard->solve.falls++;
+  if (guard->keeps && !kept) {
+    guard->solve.falls_in_a_row = PetscMin(guard->solve.falls_in_a_row, KEPT_FROM - 1);
+  }
+  guard->solve.falls_in_a_row++;
+  if (kept) PetscFunctionReturn(PETSC_SUCCESS);
+  if (FallbackIsKept(guard))
+    PetscCall(
+        PetscSNPrintf(stays, sizeof(stays), ", and is kept for the next %d solves", KEPT_FOR));
+  PetscCall(SolverNames(guard->solve.ksp, &ksp_type, &pc_type));
+  PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it%s",
+                    guard->where, guard->solve.name, ksp_type, pc_type,
+                    KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc, stays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* FallbackSolve - Solves A x = b again by fallbacks, until the true residual is small enough.
    Collective. Input: b - the right-hand side; guard - guard of the failed solver, which has the
    matrices and the tolerance. Output: x - the solution, if solved; solved - PETSC_FALSE if no
    method reached a small true residual, or if the residual of the failed solver is not finite.
-   Notes: each fallback is printed; guard->solve.falls counts all fallbacks, and falls_in_a_row
-   those since the last success of the chosen method. */
+   Notes: each fallback that is not kept is printed; guard->solve.falls counts all fallbacks, and
+   falls_in_a_row those since the last success of the chosen method, or of those that are kept since
+   it was last tried. */
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
-  const KSP ksp = guard->solve.ksp;
-  KSPType   ksp_type;
-  PCType    pc_type;
-  Mat       A, P, flat = NULL;
-  PetscInt  rows;
-  PetscBool nested = PETSC_FALSE;
+  const KSP       ksp  = guard->solve.ksp;
+  const PetscBool kept = FallbackIsKept(guard);
+  Mat             A, P, flat = NULL;
+  PetscInt        rows;
+  PetscBool       nested = PETSC_FALSE;
+  PetscReal       rtol;
 
   PetscFunctionBegin;
   *solved = PETSC_FALSE;
   if (PetscIsInfOrNanReal(guard->residual)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(KSPGetOperators(ksp, &A, &P));
   PetscCall(MatGetSize(A, &rows, NULL));
   if (guard->Flatten) {
@@ -137,18 +172,14 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 
     PetscCall(FallbackSkips(guard, k, rows, nested, &skips));
     if (skips) continue;
-    PetscCall(FallbackLevel(ksp, k, guard));
+    PetscCall(FallbackLevel(k, guard));
     PetscCall(KSPReset(guard->level[k]));
+    PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_CURRENT, 1000));
     PetscCall(KSPSetOperators(guard->level[k], A, flat ? flat : P));
     PetscCall(KSPSolve(guard->level[k], b, x));
     PetscCall(SolveResidual(guard->level[k], b, x, &guard->residual, solved));
-    if (!*solved) continue;
-    PetscCall(SolverNames(ksp, &ksp_type, &pc_type));
-    PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it",
-                      guard->where, guard->solve.name, ksp_type, pc_type,
-                      KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc));
-    guard->solve.falls++;
-    guard->solve.falls_in_a_row++;
+    if (kept) PetscCall(KSPGetIterationNumber(guard->level[k], &guard->iterations));
+    if (*solved) PetscCall(Count(k, kept, guard));
   }
   PetscCall(MatDestroy(&flat));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,8 +8,8 @@
 
 static const OptionRow options[] = {
     OPTION(INT, "-fallback",
-           "largest number of solves in a row that fallback methods may take over; -1: no "
-           "fallback, the first failure ends the step",
+           "largest number of solves in a row that fallback methods may take over (-scheme "
+           "coupled keeps those that solved 2); -1: no fallback, the first failure ends the step",
            NULL, "10", .expert = PETSC_TRUE, .low = -1.0, .high = OPTION_HUGE),
 };
 const OptionTable GuardOptions = OPTIONS("Guard of linear solves", options);
@@ -175,6 +175,19 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
                             "clustered: try a smaller -dt or -cfl, or a larger -%sksp_max_it",
                             guard->solve.prefix));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* GuardSolve - Solves A x = b by the chosen method, or by the fallback that is kept in its place;
+   collective */
+PetscErrorCode GuardSolve(Guard *guard, Vec b, Vec x)
+{
+  PetscBool solved = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  guard->residual = 0.0;
+  if (FallbackIsKept(guard)) PetscCall(FallbackSolve(b, x, guard, &solved));
+  if (!solved) PetscCall(KSPSolve(guard->solve.ksp, b, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

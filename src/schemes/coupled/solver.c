@@ -98,6 +98,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
                                        .integrator = TSBEULER,
                                        .column     = SOLVE_VELOCITY};
   c->guard.approximate = PETSC_TRUE;
+  c->guard.keeps       = PETSC_TRUE;
   c->guard.flat        = flow->scene->dim == 2 ? PETSC_TRUE : PETSC_FALSE;
   c->guard.Flatten     = SaddleFlatten;
   c->guard.remedy      = "try a larger -coupled_ksp_max_it, or a smaller -dt";

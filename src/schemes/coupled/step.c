@@ -9,6 +9,7 @@
 #define PICARD_CHANGE 1e-6
 #define PICARD_SHARE  1e-2  /* of the residual that a solve of steady convection leaves */
 #define PICARD_RTOL   1e-10 /* least tolerance of such a solve, unless a smaller one is given */
+#define TELL_EVERY    2.0   /* seconds from which on a steady solve tells what it does */
 #define STAGE_RATIO   (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
 
 /* Returns the pressure among the unknowns: that of the splines, or of the particles. */
@@ -28,12 +29,38 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
   PetscCall(CoupledJacobian(c, b, &J, &rhs));
   PetscCall(KSPSetOperators(c->guard.solve.ksp, J, c->flat ? c->flat : c->saddle.P));
   PetscCall(KSPSetInitialGuessNonzero(c->guard.solve.ksp, PETSC_TRUE));
-  PetscCall(KSPSolve(c->guard.solve.ksp, rhs, c->x));
+  PetscCall(GuardSolve(&c->guard, rhs, c->x));
   PetscCall(KSPSetInitialGuessNonzero(c->guard.solve.ksp, PETSC_FALSE));
   PetscCall(GuardCheck(&c->guard, failure));
   c->guard.solve.iterations += c->guard.iterations;
   PetscCall(VecDestroy(&rhs));
   PetscCall(MatDestroy(&J));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints an iteration of a steady flow, if it has taken long, and ends the flow if a signal asks
+   for it. Input: change - of u in the iteration, relative; since - time before it, wall clock
+   [s]. */
+static PetscErrorCode AfterSolve(PetscInt k, PetscReal change, PetscLogDouble since, Coupled *c,
+                                 StepFailure *failure)
+{
+  PetscLogDouble now;
+  PetscMPIInt    signal;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&now));
+  PetscCall(InterruptCheck(&signal));
+  if (now - since > TELL_EVERY)
+    PetscCall(SayLine("steady flow, iteration %" PetscInt_FMT ": u changes by %.1e (relative), "
+                      "solved to the residual %.1e in %.0f s",
+                      k, (double)change, (double)c->guard.residual, (double)(now - since)));
+  if (!signal || failure->code) PetscFunctionReturn(PETSC_SUCCESS);
+  FailureSet(failure, ERROR_INTERRUPTED(signal),
+             "interrupted by %s in iteration %" PetscInt_FMT
+             " of the steady flow, in which u still "
+             "changed by %.1e (relative)",
+             InterruptName(signal), k, (double)change);
+  failure->fatal = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,7 +103,7 @@ static PetscErrorCode SolveChange(Vec b, Coupled *c, StepFailure *failure)
   PetscCall(MatMult(c->saddle.A, c->x, r));
   PetscCall(VecAYPX(r, -1.0, b));
   PetscCall(KSPSetOperators(c->guard.solve.ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
-  PetscCall(KSPSolve(c->guard.solve.ksp, r, change));
+  PetscCall(GuardSolve(&c->guard, r, change));
   PetscCall(VecAXPY(c->x, 1.0, change));
   PetscCall(GuardCheck(&c->guard, failure));
   c->guard.solve.iterations += c->guard.iterations;
@@ -181,6 +208,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   Vec             pressure = Pressure(flow);
   PetscReal       change   = PETSC_INFINITY;
   PetscBool       tight = PETSC_TRUE, done = PETSC_FALSE;
+  PetscLogDouble  since;
 
   PetscFunctionBegin;
   if (!SceneIsNewtonian(scene))
@@ -189,6 +217,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
   PetscCall(Linearise(flow, v, c));
   for (PetscInt k = 0; k < PICARD_MOST && !done && !failure->code; k++) {
+    PetscCall(PetscTime(&since));
     for (PetscInt a = 0; a < scene->dim && convects; a++) PetscCall(VecCopy(v[a], past[a]));
     if (convects) PetscCall(ConvectionPass(flow, flow->clock->t, past));
     PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? past : NULL, c));
@@ -205,6 +234,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
     PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
     PetscCall(Linearise(flow, v, c));
     done = change <= PICARD_CHANGE && tight && (!c->tangent || c->tangent->error <= STRESS_ERROR);
+    if (!start && !done) PetscCall(AfterSolve(k + 1, change, since, c, failure));
   }
   if (!done && !failure->code) FailIteration(flow, change, c, failure);
   PetscCall(TangentDestroy(&c->tangent));
@@ -223,8 +253,10 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   const PetscBool steady = clock->steady_solve, newtonian = SceneIsNewtonian(flow->scene);
   const PetscBool iterates = !newtonian || (steady && flow->state->has_convection);
   Vec             u[ISPH_MAX_DIM], v[ISPH_MAX_DIM];
+  PetscLogDouble  since;
 
   PetscFunctionBegin;
+  PetscCall(PetscTime(&since));
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
   if (sp) PetscCall(SplineLayerSet(sp, flow->scene->level, sp->all));
@@ -234,6 +266,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   } else if (steady) {
     PetscCall(CoupledRightHandSide(c, c->end));
     PetscCall(SolveLinear(c->b, c, failure));
+    if (iterates) PetscCall(AfterSolve(0, 1.0, since, c, failure));
   }
   for (PetscInt a = 0; a < flow->scene->dim && iterates; a++) {
     PetscCall(FlowGetWork(flow, &u[a]));

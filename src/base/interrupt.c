@@ -1,5 +1,6 @@
-/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): recorded at once, handled between steps. */
-#include "impl.h"
+/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): recorded at once, handled between steps, and
+   between the solves of a steady flow. */
+#include "isph/base.h"
 #include <signal.h>
 
 static volatile sig_atomic_t caught; /* signal, 0: none; global: a handler has no context */
