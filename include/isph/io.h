@@ -133,6 +133,7 @@ PetscErrorCode           ProgressCreate(Progress **progress);
 PetscErrorCode           ProgressDestroy(Progress **progress);
 PetscErrorCode           ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
 
+PetscErrorCode SpeedView(const Flow *flow, PetscViewer viewer);
 PetscErrorCode BannerView(const Flow *flow, const MachineMemory *need, PetscViewer viewer);
 
 #endif

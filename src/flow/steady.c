@@ -157,7 +157,7 @@ static PetscReal Distance(PetscReal now, PetscReal before)
    the flow is still far from steady. Collective on the viewer. Steps of many diffusion times are
    taken to reach a steady flow. The changes may be small in each step and far from their sum: the
    pressure, and forces with it, can need hundreds of such steps. Prints nothing about flows whose
-   driving depends on time. */
+   driving depends on time, or whose bodies move. */
 PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
 {
   const Clock      *clock  = flow->clock;
@@ -167,6 +167,9 @@ PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
   PetscReal         u, p;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < flow->scene->n_bodies; k++)
+    if (flow->scene->boundary[SceneBodySide(flow->scene, k)].moves)
+      PetscFunctionReturn(PETSC_SUCCESS);
   if (clock->steady_solve || clock->steady || clock->step < 3 || !IsLong(flow) ||
       clock->steady_tol > 0.0 || period < PETSC_INFINITY)
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,6 +6,8 @@
 #define BANNER_LABEL "%-11s "
 #define NARROW       2.0  /* gap from which on particles are in it [spacings] */
 #define SURPLUS      1e-5 /* part of a flow: less of it is no news */
+#define FAR          10.0 /* largest ratio of given velocities and the default of U [-] */
+#define ROUNDED      1e-6 /* difference of two lengths that rounding may make [-] */
 
 /* Returns the largest factor of the velocity of graded particles, SceneMotionFactor() [-]. */
 static PetscReal LargestFactor(const Scene *scene)
@@ -16,6 +18,36 @@ static PetscReal LargestFactor(const Scene *scene)
     volume *= scene->grading.on ? SceneCellSide(scene, a) * (scene->grading.most / scene->dx)
                                 : scene->map[a].most;
   return volume / scene->motion_volume;
+}
+
+/* SpeedView - Prints a line if -speed is not given and the velocities of boundaries, or those at
+   the start, are far from its default: limits of steps and many scales depend on U. Collective on
+   the viewer. A body force drives flows whose speed no option gives. */
+PetscErrorCode SpeedView(const Flow *flow, PetscViewer viewer)
+{
+  const Particles *p     = flow->particles;
+  const PetscInt   first = flow->clock->step ? p->n_fluid : 0;
+  PetscReal        most  = 0.0;
+  PetscBool        given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven("-speed", &given));
+  if (given || SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = first; i < p->n_fluid + p->n_wall; i++) {
+    PetscReal speed2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) speed2 += PetscSqr(p->u[a][i]);
+    most = PetscMax(most, PetscSqrtReal(speed2));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  if (!(most > 0.0) || (most * FAR >= flow->scene->speed && most <= FAR * flow->scene->speed))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   BANNER_LABEL "largest given velocity %.2g m/s, U = %.4g m/s by "
+                                                "default: give -speed %.2g\n",
+                                   "speed", (double)most, (double)flow->scene->speed,
+                                   (double)most));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Prints case, fluid and particles. */
@@ -41,6 +73,7 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "L = %.4g m, U = %.4g m/s\n", (double)scene->length,
                                    (double)scene->speed));
+  PetscCall(SpeedView(flow, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT
                                                 " wall, dx = %.4g m, h/dx = %.3g%s; "
@@ -120,7 +153,7 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
     const PetscReal reach = flow->ops->forms.radius,
                     thin  = BodyThickness(body, BodySpacing(scene, body), reach, place);
 
-    if (thin >= reach) continue;
+    if (thin > (1.0 - ROUNDED) * reach) continue;
     PetscCall(PetscViewerASCIIPrintf(
         viewer,
         BANNER_LABEL "body %" PetscInt_FMT

@@ -27,6 +27,8 @@
 #define LAYER_WANTED 3.0  /* thickness that is advised [dx] */
 #define SLIP_LEAST   2.0  /* least slip length of a contact line that a wall drags [dx] */
 #define CUT          0.01 /* share of the fluid [-] */
+#define SPLIT        5e-3 /* nu dt/L^2 of a projection from which its splitting may err [-] */
+#define APART        3.0  /* ratio of errors that no resolution explains [-] */
 #define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
@@ -160,6 +162,25 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns nu dt/L^2 of a projection, whose splitting of velocity and pressure errs with it while
+   the pressure changes; zero of other schemes. */
+static PetscReal Splitting(const Flow *flow)
+{
+  const Scene *scene = flow->scene;
+
+  if (!flow->scheme->variant || !SceneHas(scene, PHYSICS_VISCOSITY)) return 0.0;
+  return scene->nu * flow->clock->dt / PetscSqr(scene->length);
+}
+
+/* Returns true if the splitting of a projection explains a defect of the momentum that gradients do
+   not: the velocity slips along walls by dt grad phi. The error in time of the steps, which follows
+   from the changes of the velocity, has no part of it. */
+static PetscBool SplittingErrs(const Flow *flow, const Trust *trust)
+{
+  return trust->worst == TRUST_OPERATOR && Splitting(flow) > SPLIT &&
+         trust->part[TRUST_OPERATOR] > APART * trust->part[TRUST_SPACE];
+}
+
 /* Writes the advice that follows from the cause of the error. */
 static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], size_t length)
 {
@@ -185,6 +206,12 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
                             "-visc_laplacian %s does not follow every velocity; try its default, "
                             "or a larger -n",
                             row->name));
+  } else if (SplittingErrs(flow, trust)) {
+    PetscCall(PetscSNPrintf(text, length,
+                            "gradients are resolved to %.2g %%, and the projection splits velocity "
+                            "and pressure at nu dt/L^2 = %.2g; try -dt %.2g or -scheme coupled",
+                            100.0 * (double)trust->part[TRUST_SPACE], (double)Splitting(flow),
+                            (double)(flow->clock->dt * TRUSTED / trust->error)));
   } else {
     PetscCall(PetscSNPrintf(text, length, "gradients are worst near (%s); try -n %.0f",
                             ScenePlaceText(flow->scene, trust->x, place),

@@ -294,6 +294,7 @@ static PetscErrorCode ReportAll(Run *run, const char status[], PetscBool measure
     PetscCall(ReportView(run->report, now - run->started, viewer));
     PetscCall(TrustView(&run->flow, run->report, viewer));
     PetscCall(SteadyView(&run->flow, viewer));
+    PetscCall(SpeedView(&run->flow, viewer));
   }
   if (viewer) PetscCall(BalancesView(&run->flow, viewer));
   if (viewer) PetscCall(RunPrintFigures(run->flow.scheme));

@@ -275,9 +275,10 @@ static PetscErrorCode CheckWidth(const Scene *scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++)
     UserCheck(scene->hi[a] - scene->lo[a] >= 4.0 * SceneCoarsest(scene),
-              "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
+              "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed; -n counts "
+              "along -length, %.4g m",
               (double)(scene->hi[a] - scene->lo[a]), BoxAxes[a],
-              (double)(4.0 * SceneCoarsest(scene)));
+              (double)(4.0 * SceneCoarsest(scene)), (double)scene->length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
