@@ -59,7 +59,7 @@ static PetscErrorCode MeasurePose(const Scene *scene, PetscInt k, Report *report
 }
 
 /* Reports force and torque on each body by the momentum beside it, then by tractions, and
-   ForceParts(). With a free surface all are tractions. */
+   ForceParts(). With a free surface the force is that of tractions, and there is no difference. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
   static const char *const names[] = {"fx", "fy", "fz", "torque_x", "torque_y", "torque"};
@@ -72,15 +72,16 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 
     PetscCall(MeasurePose(scene, k, report));
     PetscCall(WallForce(flow, SceneBodySide(scene, k), force));
-    for (PetscInt way = 0; way < 2; way++) {
+    for (PetscInt way = 0; way < (SceneHasFreeSurface(scene) ? 1 : 2); way++) {
       for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++) {
         if (scene->dim == 2 && a > 1 && a < 2 * ISPH_MAX_DIM - 1) continue;
         PetscCall(AddBodyRow(scene, k, way ? "traction_" : "", names[a], force[way][a], report));
       }
     }
-    ForceParts(force, part);
+    ForceParts(scene, force, part);
     for (PetscInt q = 0; q < (part[2] > 0.0 ? 3 : 2); q++)
-      PetscCall(AddBodyRow(scene, k, "", parts[q], part[q], report));
+      PetscCall(
+          AddBodyRow(scene, k, "", parts[q], PetscIsNanReal(part[q]) ? 0.0 : part[q], report));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

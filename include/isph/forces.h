@@ -58,6 +58,7 @@ PetscErrorCode          ReactionDestroy(Reaction **reaction);
 enum { FORCE_MOMENTUM, FORCE_TRACTION, FORCE_LUBRICATION, FORCE_WAYS };
 PetscErrorCode WallForce(const Flow *flow, PetscInt side,
                          PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM]);
-void ForceParts(PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], PetscReal part[FORCE_WAYS]);
+void           ForceParts(const Scene *scene, PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM],
+                          PetscReal part[FORCE_WAYS]);
 
 #endif

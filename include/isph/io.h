@@ -72,6 +72,7 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
 PetscErrorCode ReportAddMissing(Report *report, const char name[]);
 PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal residual,
                                PetscReal error);
+Quantity      *ReportFind(Report *report, const char name[]);
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error);
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4]);
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);

@@ -25,7 +25,7 @@ from ._library import FUNCTION, MONITOR, Error, Int, Real, byref, c_bool, c_char
 from ._library import POINTER, c_void_p
 
 __all__ = ["Error", "Flow", "study"]
-Force = namedtuple("Force", "force torque error")  # [N], [N m]; error bars of both
+Force = namedtuple("Force", "force torque error")  # [N], [N m]; how far two measures of each differ
 Pose = namedtuple("Pose", "x attitude velocity spin")  # [m]; a quaternion; [m/s], [rad/s]
 _flows = weakref.WeakSet()  # that are open
 
@@ -232,7 +232,7 @@ class Flow:
         return names.index(boundary)
 
     def force(self, boundary):
-        """Force and torque of the fluid on a boundary, and their error bars."""
+        """Force and torque of the fluid on a boundary, and how far two measures of each differ: a lower bound of the error, NaN with a free surface; the report has error bars."""
         parts = [numpy.zeros(3), numpy.zeros(3), numpy.zeros(2)]
         self._call("GetForce", self._number(boundary), *(_real(part)[1] for part in parts))
         return Force(*parts)

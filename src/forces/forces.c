@@ -355,13 +355,16 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side,
 }
 
 /* ForceParts - Computes magnitudes: of the differences between both ways of WallForce(), of forces
-   and of torques, which are error bars, and of the lubrication in the force [N], [N m]; not
-   collective */
-void ForceParts(PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM], PetscReal part[FORCE_WAYS])
+   and of torques, NaN with a free surface, where there is one way, and of the lubrication in the
+   force [N], [N m]. Not collective. A difference is no bound of the error of the flow as a whole. */
+void ForceParts(const Scene *scene, PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM],
+                PetscReal part[FORCE_WAYS])
 {
   for (PetscInt k = 0; k < FORCE_WAYS; k++) part[k] = 0.0;
   for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++)
-    part[a / ISPH_MAX_DIM] += PetscSqr(force[FORCE_MOMENTUM][a] - force[FORCE_TRACTION][a]);
+    part[a / ISPH_MAX_DIM] += SceneHasFreeSurface(scene)
+                                  ? NAN
+                                  : PetscSqr(force[FORCE_MOMENTUM][a] - force[FORCE_TRACTION][a]);
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) part[2] += PetscSqr(force[FORCE_LUBRICATION][a]);
   for (PetscInt k = 0; k < FORCE_WAYS; k++) part[k] = PetscSqrtReal(part[k]);
 }

@@ -123,6 +123,14 @@ PetscErrorCode ReportAddBeyond(Report *report, const char name[], PetscReal resi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ReportFind - Returns the row of a quantity at the present time; NULL: there is none */
+Quantity *ReportFind(Report *report, const char name[])
+{
+  for (PetscInt k = report->n - 1; k >= 0 && report->quantity[k].t == report->t; k--)
+    if (!strcmp(report->quantity[k].name, name)) return &report->quantity[k];
+  return NULL;
+}
+
 /* ReportAddError - Adds a quantity that is itself a relative error [-] */
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
 {

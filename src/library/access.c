@@ -261,7 +261,7 @@ static PetscErrorCode GetForce(Flow *flow, PetscInt k, PetscReal force[3], Petsc
             "boundary %" PetscInt_FMT ": it is none that the fluid presses on", k);
   PetscCall(FlowPrepareOutput(flow));
   PetscCall(WallForce(flow, k, all));
-  ForceParts(all, part);
+  ForceParts(flow->scene, all, part);
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     force[a]  = all[FORCE_MOMENTUM][a];
     torque[a] = all[FORCE_MOMENTUM][ISPH_MAX_DIM + a];

@@ -304,7 +304,7 @@ static PetscErrorCode AddDifference(const Flow *flow, PetscInt side, const Facet
   PetscFunctionBegin;
   FindJumps(flow->scene, flow->clock->t, s, l, unknown);
   PetscCall(WallForce(flow, side, force));
-  ForceParts(force, part);
+  ForceParts(flow->scene, force, part);
   for (PetscInt k = 0; k < 2; k++) {
     l->error[k] += PetscMax(part[k] - unknown[k], 0.0);
     l->unknown[k] += unknown[k];

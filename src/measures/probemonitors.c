@@ -222,7 +222,7 @@ static PetscErrorCode WriteBodies(const Flow *flow, Monitor *monitor)
     PetscReal      force[FORCE_WAYS][2 * ISPH_MAX_DIM], part[FORCE_WAYS], power;
 
     PetscCall(WallForce(flow, side, force));
-    ForceParts(force, part);
+    ForceParts(scene, force, part);
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, k + 1);
     power = WritePose(flow, side, force[FORCE_MOMENTUM], monitor);

@@ -127,6 +127,29 @@ static PetscErrorCode SurfaceStress(const Flow *flow, PetscReal *share)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds to the errors of forces and torques on bodies those that they have with the velocity. */
+static PetscErrorCode AddForceErrors(const Scene *scene, PetscReal error, Report *report)
+{
+  static const char *const rows[2][4] = {{"fx", "fy", "fz", "force_error"},
+                                         {"torque_x", "torque_y", "torque", "torque_error"}};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2 * scene->n_bodies; k++) {
+    Quantity *row  = NULL;
+    PetscReal size = 0.0;
+    char      name[WALL_NAME + 32], body[WALL_NAME];
+
+    SceneWallName(scene, SceneBodySide(scene, k / 2), body);
+    for (PetscInt a = 0; a < 4; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s", body, rows[k % 2][a]));
+      row = ReportFind(report, name);
+      if (row && a < 3) size += PetscSqr(row->value);
+    }
+    if (row) row->value += error * PetscSqrtReal(size);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
    at most TRUSTED, otherwise 0. Collective. Errors are root mean squares over ErrorScale(). That of
    the operators is over the sum of both, the most that the true velocity can be. */
@@ -159,6 +182,7 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   if (trust->surface > 0.0)
     PetscCall(ReportAddError(report, "pressure_l2_estimate", trust->surface));
   PetscCall(ReportAdd(report, "trust", trust->error <= TRUSTED ? 1.0 : 0.0));
+  PetscCall(AddForceErrors(flow->scene, trust->error, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
