@@ -232,7 +232,9 @@ class Flow:
         return names.index(boundary)
 
     def force(self, boundary):
-        """Force and torque of the fluid on a boundary, and how far two measures of each differ: a lower bound of the error, NaN with a free surface; the report has error bars."""
+        """Force and torque of the fluid on a boundary, and how far two measures of each differ.
+
+        That is a lower bound of the error, NaN with a free surface; the report has error bars."""
         parts = [numpy.zeros(3), numpy.zeros(3), numpy.zeros(2)]
         self._call("GetForce", self._number(boundary), *(_real(part)[1] for part in parts))
         return Force(*parts)

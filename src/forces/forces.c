@@ -356,7 +356,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side,
 
 /* ForceParts - Computes magnitudes: of the differences between both ways of WallForce(), of forces
    and of torques, NaN with a free surface, where there is one way, and of the lubrication in the
-   force [N], [N m]. Not collective. A difference is no bound of the error of the flow as a whole. */
+   force [N], [N m]. Not collective. A difference is no bound of the error of the flow. */
 void ForceParts(const Scene *scene, PetscReal force[FORCE_WAYS][2 * ISPH_MAX_DIM],
                 PetscReal part[FORCE_WAYS])
 {
