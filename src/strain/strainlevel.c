@@ -8,10 +8,10 @@
 */
 #include "strain.h"
 
-#define LEVEL_MOST  40    /* steps */
-#define SHARE_STEPS 16    /* of a quadrature of the kernel */
-#define LEVEL_CLOSE 1e-10 /* error of the volume at which they end, over it */
-#define SLOPE_STEP  1e-4  /* of differences of the parts behind walls, over the radius */
+#define LEVEL_MOST  40   /* steps */
+#define SHARE_STEPS 16   /* of a quadrature of the kernel */
+#define LEVEL_CLOSE 1e-7 /* error of the volume at which they end, over it */
+#define SLOPE_STEP  1e-4 /* of differences of the parts behind walls, over the radius */
 
 /* Returns the kernel of the concentration, wendland_c2, at its centre [1/m^dim]. */
 static PetscReal WholeWeight(PetscInt dim, PetscReal R)
