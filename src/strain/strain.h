@@ -166,6 +166,15 @@ static inline PetscInt StrainIndexAlong(const Scene *scene, const StrainLattice 
   return PetscMin(PetscMax(k, 0), l->n[a] - 1);
 }
 
+/* StrainCellCount - Returns the number of lattice cells of the block; not collective */
+static inline PetscInt StrainCellCount(const StrainLattice *l)
+{
+  PetscInt all = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
+  return all;
+}
+
 /* StrainOnSide - Returns true if a place is on a side of the box that is not periodic; not
    collective */
 static inline PetscBool StrainOnSide(const Scene *scene, PetscInt side, const PetscReal x[])

@@ -212,17 +212,14 @@ static PetscErrorCode FindCells(const Scene *scene, const Particles *p,
                                 StrainCells *s, Sides *sides, Facets *facets)
 {
   const StrainLattice *l     = &s->lattice;
-  PetscInt             all   = 1;
+  const PetscInt       all   = StrainCellCount(l);
   PetscReal            whole = 1.0;
 
   PetscFunctionBegin;
   s->n = s->all = s->surface.n = s->surface.n_wet = 0;
   PetscCall(PetscArrayzero(s->surface.wet, 2 * ISPH_MAX_DIM));
   PetscCall(PetscMalloc1(s->capacity, &facets->first));
-  for (PetscInt a = 0; a < l->dim; a++) {
-    all *= l->n[a];
-    whole *= l->edge[a];
-  }
+  for (PetscInt a = 0; a < l->dim; a++) whole *= l->edge[a];
   for (PetscInt k = 0; k < all; k++) {
     PetscInt   fluid[CELL_CORNERS], n;
     StrainCell cell;
@@ -489,12 +486,11 @@ PetscBool StrainSolid(const Scene *scene, const StrainCells *s, PetscInt k, Pets
                       PetscReal *volume)
 {
   const StrainLattice *l   = &s->lattice;
-  PetscInt             all = l->distance ? 1 : 0;
+  const PetscInt       all = l->distance ? StrainCellCount(l) : 0;
   PetscReal            d[CELL_CORNERS];
   StrainCell           cell;
   CellPart             part;
 
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
   if (k >= all) return PETSC_FALSE;
   StrainCellSet(scene, l, k, &cell);
   for (PetscInt c = 0; c < 1 << l->dim; c++) d[c] = -l->distance[cell.node[c]];

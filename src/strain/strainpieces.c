@@ -32,14 +32,6 @@ static void Join(const StrainLattice *l, PetscInt all, const PetscBool wet[], Pe
   }
 }
 
-static PetscInt CellsOf(const StrainLattice *l)
-{
-  PetscInt all = 1;
-
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
-  return all;
-}
-
 /* Returns the place of the wet lattice cell nearest to x, within half a spacing, which a particle
    there reaches; -1: none. */
 static PetscInt WetPlace(const Scene *scene, const StrainLattice *l, const PetscBool wet[],
@@ -75,7 +67,7 @@ static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const S
                                  const PetscBool wet[], PetscInt fluid, PetscInt piece[],
                                  PetscInt of[])
 {
-  const PetscInt all = CellsOf(l);
+  const PetscInt all = StrainCellCount(l);
   PetscInt      *parent;
   PetscReal     *name;
   int            changed = 1;
@@ -129,7 +121,7 @@ static PetscErrorCode NamePieces(const Scene *scene, const Particles *p, const S
 PetscErrorCode StrainPieces(const Scene *scene, const Particles *p, const StrainCells *s,
                             PetscInt fluid, PetscInt piece[])
 {
-  const PetscInt all = CellsOf(&s->lattice);
+  const PetscInt all = StrainCellCount(&s->lattice);
   PetscBool     *wet;
   PetscInt      *name;
 
@@ -164,8 +156,8 @@ PetscErrorCode StrainPiecesNumber(const Scene *scene, const Particles *p, const 
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
-  PetscCall(
-      PetscMalloc5(CellsOf(l), &name, own, &of, own, &sorted, ranks, &count, ranks + 1, &first));
+  PetscCall(PetscMalloc5(StrainCellCount(l), &name, own, &of, own, &sorted, ranks, &count,
+                         ranks + 1, &first));
   PetscCall(NamePieces(scene, p, l, wet, -1, name, of));
   for (PetscInt i = 0; i < own; i++)
     if (of[i] >= 0) sorted[here++] = of[i];

@@ -153,10 +153,10 @@ PetscErrorCode StrainUnevenness(const Scene *scene, const Particles *p, const Ne
                                 PetscReal value[], PetscReal *const gradient[])
 {
   const StrainLattice *l   = &cells->lattice;
-  PetscInt             all = 1, *at, *next;
+  const PetscInt       all = StrainCellCount(l);
+  PetscInt            *at, *next;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
   PetscCall(PetscMalloc2(all, &at, cells->n, &next));
   for (PetscInt k = 0; k < all; k++) at[k] = -1;
   for (PetscInt c = 0; c < cells->n; c++) {

@@ -107,11 +107,10 @@ static PetscErrorCode FindLevels(const Particles *p, const PetscReal own[], Pets
                                  PetscReal high, Volumes *v, PetscReal level[])
 {
   const StrainLattice *l   = v->l;
-  PetscInt             all = 1;
+  const PetscInt       all = StrainCellCount(l);
   PetscReal           *first;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) all *= l->n[a];
   PetscCall(PetscMalloc3(all, &v->cell, all, &v->piece, all, &first));
   PetscCall(PetscCalloc1(v->pieces, &v->whole));
   v->n = 0;
@@ -233,24 +232,20 @@ static PetscErrorCode Concentrate(const Scene *scene, const Particles *p, const 
 /* Lists the cells that have fluid at the level that is set. */
 static PetscErrorCode FindWet(const Volumes *v, PetscBool **wet)
 {
-  PetscInt  all   = 1;
-  PetscReal whole = 1.0;
+  const PetscInt all   = StrainCellCount(v->l);
+  PetscReal      whole = 1.0;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < v->l->dim; a++) {
-    all *= v->l->n[a];
-    whole *= v->l->edge[a];
-  }
+  for (PetscInt a = 0; a < v->l->dim; a++) whole *= v->l->edge[a];
   PetscCall(PetscMalloc1(all, wet));
   for (PetscInt k = 0; k < all; k++)
     (*wet)[k] = VolumeOf(v, k) >= LEAST_PART * whole ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the levels of the free surface, and sets the depths of the corners
-   below it. Collective. A first level, at which all cells have the volume of all particles, tells
-   the pieces of the fluid. Then each piece has its own. Particles that no piece has keep the
-   first. */
+/* Finds the levels of the free surface, and sets the depths of the corners below it. Collective. A
+   first level, at which all cells have the volume of all particles, tells the pieces of the fluid.
+   Then each piece has its own. Particles that no piece has keep the first. */
 static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const StrainLattice *l,
                                   StrainNodes *corners)
 {
@@ -294,8 +289,8 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shifts the interfaces of each fluid along their normals so that its cells
-   have the volume of its particles: distances that particles carry drift; collective. */
+/* Shifts the interfaces of each fluid along their normals so that its cells have the volume of its
+   particles: distances that particles carry drift; collective. */
 static PetscErrorCode FindInterfaces(const Scene *scene, const Particles *p, const StrainLattice *l,
                                      StrainNodes *corners)
 {
