@@ -5,8 +5,10 @@
 
 ISPH... is the program, followed by the words that start it on several ranks, with {} for their number. Exact solutions
 of the flows are typed, so that the report has the true error beside the estimate. Flows that the operators represent
-exactly are trusted; errors by the form, by the step and by the start are found and named."""
+exactly are trusted; errors by the form, by the step and by the start are found and named. Contact lines that move on walls without
+slip are told, and those at rest are not."""
 import os
+import re
 import subprocess
 import sys
 
@@ -34,6 +36,17 @@ VIOLATED = {  # not trusted: the reason is the same in all of them
                                  "-viscosity 1 -without convection -rheology papanastasiou -rheology_yield 4 -n 20 "
                                  "-scheme coupled -steady",
     "anti-diffusive form": CHANNEL + " -visc_laplacian direct -t_end 1",
+}
+DROP = f"-options_file {ROOT}/options/drop_angle.opts"
+COLUMN = ("-case scene -scene_box 0,0,2,1.5 -scene_filled_1 box,0,0,0.5,1 -scene_symmetry left -body_force 0,-1 "
+          "-viscosity 1 -n 10 -t_end 4")
+LINES = {  # flow: (walls along which a contact line moves that they do not resolve, options)
+    "drop at rest": ([], DROP),
+    "drop that spreads": (["bottom"], DROP + " -scene_filled_1 circle,0,0,0.49975 -t_end 20"),
+    "column": (["bottom"], COLUMN),
+    "column on a wall that slips": ([], COLUMN + " -scene_wall_bottom_slip 0.2"),
+    "jet that leaves": ([], f"-options_file {ROOT}/options/jet_free.opts"),
+    "roll": (["body_1"], f"-options_file {ROOT}/options/roll.opts -n 12 -t_end 0.3"),
 }
 PARTS = ("error_space", "error_operator", "error_time")
 
@@ -70,6 +83,9 @@ def main():
     for name, options in VIOLATED.items():
         report, text = run(command, options)
         check(report["trust"] == 0.0 and "not trusted: " in text, f"{name}: trusted, {report}")
+    for name, (walls, options) in LINES.items():
+        told = re.findall(r"^contact line: .* the (\w+) wall", run(command, options)[1], re.M)
+        check(told == walls, f"{name}: contact lines on {told}")
     one, three = (run(command, "-case taylor_green -n 16 -t_end 0.2", ranks)[0] for ranks in (1, 3))
     for part in PARTS:
         check(abs(one[part] - three[part]) <= 0.02 * one["velocity_l2_estimate"], f"{part}: {one[part]}, {three[part]}")

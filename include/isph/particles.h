@@ -51,6 +51,8 @@ typedef struct {
 } ParticleKindRow;
 extern const ParticleKindRow ParticleKinds[PARTICLE_KINDS];
 
+#define LINE_PASSED 9.0 /* Particles.wetness once the line of a free surface has passed by */
+
 #define PARTICLES_MAX_ID ((PetscInt64)1 << 53) /* records hold ids as real numbers */
 
 typedef struct {
@@ -86,6 +88,8 @@ typedef struct {
   PetscReal *side;    /* of wall particles: number of the wall, a whole number (field) */
   PetscReal *entered; /* of wall particles on an inflow: length of the fluid there since the last
                          particle (field); NULL: there is none [m] */
+  PetscReal *wetness; /* of wall particles: the concentration less its level in the first cells, or
+                         LINE_PASSED (field); NULL: no cells end at a free surface [-] */
   PetscReal *dx;      /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */

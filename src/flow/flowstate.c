@@ -71,6 +71,8 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   if (s->has_convection && !s->implicit_convection && flow->clock->order > 2)
     PetscCall(ParticlesRegister(p, "convection_earlier", scene->dim, HALO_NONE, ENTRY_MEAN,
                                 s->convection_earlier));
+  if (flow->ops->cut_surface)
+    PetscCall(ParticlesRegister(p, "wetness", 1, HALO_NONE, ENTRY_ZERO, &p->wetness));
   if (s->implicit_convection && p->p)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   for (PetscInt i = 0; i < p->n_fluid; i++) {

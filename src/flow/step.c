@@ -83,7 +83,7 @@ static PetscErrorCode BlameFullBox(Flow *flow)
   char             where[CLOCK_WHERE];
 
   PetscFunctionBegin;
-  if (failure->fatal || room == 0.0 || volume < FULL * room) PetscFunctionReturn(PETSC_SUCCESS);
+  if (room == 0.0 || volume < FULL * room) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
   failure->code = PETSC_SUCCESS;
   FailureSet(failure, PETSC_ERR_USER_INPUT,

@@ -266,33 +266,68 @@ static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints a line for each side of the box that drags a contact line, or lets it slip, over a length
-   that has few particles: the line then moves as if the wall slipped over about dx. */
+/* Computes the area of each boundary by which the line of a free surface has passed since the start,
+   by own wall particles [m^(dim-1)]. */
+static void AddPassed(const Particles *p, PetscReal area[])
+{
+  for (PetscInt w = p->n_fluid; p->wetness && w < ParticlesOwn(p); w++)
+    if (p->wetness[w] == LINE_PASSED)
+      area[(PetscInt)p->side[w]] += PetscPowRealInt(p->dx[w], (int)p->dim - 1);
+}
+
+/* Returns true if fluid wets a part of a side of the box, and not the whole. */
+static PetscBool PartlyWet(const Scene *scene, PetscInt side, PetscReal wet)
+{
+  PetscReal area = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++)
+    if (a != side / 2) area *= scene->hi[a] - scene->lo[a];
+  return wet > 0.0 && wet < 0.999 * area ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Prints a line for each wall along which a contact line has moved, or which drags it along or lets
+   it slip, if the wall slips over a length that has few particles: the line then moves as if the
+   wall slipped over about dx. */
 static PetscErrorCode ViewLines(const Flow *flow, PetscViewer viewer)
 {
-  const Scene *scene                 = flow->scene;
-  PetscReal    wet[2 * ISPH_MAX_DIM] = {0.0};
+  const Scene   *scene                 = flow->scene;
+  const PetscInt n                     = SceneBoundaries(scene);
+  PetscReal      wet[2 * ISPH_MAX_DIM] = {0.0}, *passed;
 
   PetscFunctionBegin;
   if (!flow->ops->cut_surface) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(n, &passed));
+  AddPassed(flow->particles, passed);
   PetscCallMPI(MPI_Allreduce(flow->ops->strain->surface.wet, wet, 2 * ISPH_MAX_DIM, MPIU_REAL,
                              MPIU_SUM, flow->particles->comm));
-  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    const Boundary *wall = &scene->boundary[side];
-    PetscReal       area = 1.0;
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, passed, (int)n, MPIU_REAL, MPIU_SUM, flow->particles->comm));
+  for (PetscInt side = 0; side < n; side++) {
+    const Boundary *wall  = &scene->boundary[side];
+    const PetscBool drags = side < 2 * scene->dim && (wall->velocity.n || wall->slip > 0.0) &&
+                                    BoundaryIs(scene, side, BOUNDARY_CONFINES) &&
+                                    PartlyWet(scene, side, wet[side])
+                                ? PETSC_TRUE
+                                : PETSC_FALSE;
+    char            name[WALL_NAME], how[48] = "moves along", cure[80] = "compare two -n";
 
-    for (PetscInt a = 0; a < scene->dim; a++)
-      if (a != side / 2) area *= scene->hi[a] - scene->lo[a];
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) || !(wall->velocity.n || wall->slip > 0.0) ||
-        wall->slip >= SLIP_LEAST * scene->dx || !(wet[side] > 0.0) || wet[side] > 0.999 * area)
+    if (wall->slip >= SLIP_LEAST * scene->dx || !BoundaryIs(scene, side, BOUNDARY_NO_SLIP) ||
+        !(drags || passed[side] > 0.0))
       continue;
+    SceneWallName(scene, side, name);
+    if (passed[side] > 0.0)
+      PetscCall(PetscSNPrintf(how, sizeof(how), "has moved over %.2g m%s of", (double)passed[side],
+                              scene->dim == 3 ? "^2" : ""));
+    if (side < 2 * scene->dim && BoundaryIs(scene, side, BOUNDARY_CONFINES))
+      PetscCall(PetscSNPrintf(cure, sizeof(cure), "give -scene_wall_%s_slip of %.3g m or more",
+                              name, (double)(SLIP_LEAST * scene->dx)));
     PetscCall(PetscViewerASCIIPrintf(
         viewer,
-        "contact line: the %s wall slips over %.2g dx, and fewer than %.0f do not resolve how fast "
-        "the surface moves along it; give -scene_wall_%s_slip of %.3g m or more\n",
-        BoxSides[side], (double)(wall->slip / scene->dx), SLIP_LEAST, BoxSides[side],
-        (double)(SLIP_LEAST * scene->dx)));
+        "contact line: the surface %s the %s wall, which slips over %.2g dx, and fewer than %.0f "
+        "do not resolve how fast it moves; %s\n",
+        how, name, (double)(wall->slip / scene->dx), SLIP_LEAST, cure));
   }
+  PetscCall(PetscFree(passed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -67,7 +67,8 @@ PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants)
   PetscInt    *list;
 
   PetscFunctionBegin;
-  if (!SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (flow->ops->cut_surface || !SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
+    PetscFunctionReturn(PETSC_SUCCESS);
   moves_in = MovesIn(scene, p);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moves_in, 1, MPIU_BOOL, MPI_LOR, p->comm));
   if (!moves_in) PetscFunctionReturn(PETSC_SUCCESS);

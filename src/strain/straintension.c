@@ -4,7 +4,8 @@
 
     F_i = -sum_f sigma_f sum_v Y_vi^T dA_f/dy_v,   u(y_v) = sum_i Y_vi u_i
 
-  with the matrices of strainmotion.c. A step dt changes it by the part of the second derivative
+  with the matrices of strainmotion.c. A corner on an outflow is where the side cuts the surface: it
+  slides along the side, and the surface beyond pulls at the fluid. A step dt changes it by the part of the second derivative
   that has no negative eigenvalue,
 
     dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum of int (grad_s Y_i^T n).(grad_s Y_j^T n)
@@ -133,6 +134,34 @@ static PetscInt WetSlope(const Scene *scene, PetscBool between, const PetscReal 
   return on;
 }
 
+/* Returns the outflow on which a corner is, or -1. */
+static PetscInt OutflowAt(const Scene *scene, const PetscReal x[])
+{
+  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+    if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW) && StrainOnSide(scene, side, x)) return side;
+  return -1;
+}
+
+/* Computes the derivative of the energy of facet f over its tension by its corner v; returns the
+   side of WetSlope(). Output: wet - of WetSlope(); beyond - the part along the normal of an outflow,
+   which the surface beyond bears. */
+static PetscInt EnergySlope(const Scene *scene, const StrainSurface *s, PetscInt f,
+                            const FacetShape *shape, PetscInt v, PetscReal slope[], PetscReal wet[],
+                            PetscReal *beyond)
+{
+  const PetscInt   d       = scene->dim;
+  const PetscReal *x       = &s->x[f * d * d];
+  const PetscInt   side    = WetSlope(scene, s->between[f], x, shape, v, wet);
+  const PetscInt   outflow = OutflowAt(scene, &x[v * d]);
+
+  *beyond = 0.0;
+  for (PetscInt a = 0; a < d; a++) slope[a] = shape->area * shape->slope[v][a] - wet[a];
+  if (outflow < 0) return side;
+  *beyond            = slope[outflow / 2];
+  slope[outflow / 2] = 0.0;
+  return side;
+}
+
 /* StrainTension - Adds the forces of the tension of all surfaces to those of own particles. Not
    collective. Input/Output: force - component a of particle i at [i dim + a] [N]. Output: energy -
    of facets of this rank's box, less cos(angle) times that of wet walls [J]. */
@@ -153,16 +182,36 @@ PetscErrorCode StrainTension(const Scene *scene, const Particles *p, const Strai
     if (IsOwn(p, &s->x[f * d * d])) *energy += s->tension[f] * shape.area;
     for (PetscInt v = 0; v < d; v++) {
       const PetscInt k = s->corner[f * d + v];
-      PetscReal      wet[ISPH_MAX_DIM];
+      PetscReal      slope[ISPH_MAX_DIM], wet[ISPH_MAX_DIM], beyond;
 
-      (void)WetSlope(scene, s->between[f], &s->x[f * d * d], &shape, v, wet);
+      (void)EnergySlope(scene, s, f, &shape, v, slope, wet, &beyond);
       for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
         for (PetscInt c = 0; c < d * d && s->motion.j[e] < p->n_fluid; c++)
-          force[d * s->motion.j[e] + c % d] -= s->tension[f] * s->motion.w[e * d * d + c] *
-                                               (shape.area * shape.slope[v][c / d] - wet[c / d]);
+          force[d * s->motion.j[e] + c % d] -=
+              s->tension[f] * s->motion.w[e * d * d + c] * slope[c / d];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds a force along the normal of an outflow to its particle nearest to a place. */
+static void AddBeyond(const Scene *scene, const Particles *p, const PetscReal x[], PetscReal pull,
+                      PetscReal force[])
+{
+  const PetscInt side  = OutflowAt(scene, x);
+  PetscReal      least = PETSC_INFINITY;
+  PetscInt       best  = -1;
+
+  for (PetscInt w = p->n_fluid; w < ParticlesAll(p); w++) {
+    PetscReal y[ISPH_MAX_DIM], r2 = 0.0;
+
+    if (!ParticlesIsWall(p, w) || (PetscInt)p->side[w] != side) continue;
+    ParticlesWallPoint(p, w, y);
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(y[a] - x[a]);
+    if (r2 < least) best = w;
+    least = PetscMin(least, r2);
+  }
+  if (best >= 0) force[p->dim * best + side / 2] += pull;
 }
 
 /* Adds the forces of a facet on wall particles. Input: slope - of u.n along the facet, times the
@@ -177,18 +226,19 @@ static void AddFacetOnWalls(const Scene *scene, const Particles *p, const Strain
 
   for (PetscInt v = 0; v < d; v++) {
     const PetscInt k = s->corner[f * d + v], row = (s->first + k) * cells->sets;
-    PetscReal      wet[ISPH_MAX_DIM];
-    const PetscInt side = WetSlope(scene, s->between[f], &s->x[f * d * d], shape, v, wet);
+    PetscReal      wet[ISPH_MAX_DIM], energy[ISPH_MAX_DIM], beyond;
+    const PetscInt side = EnergySlope(scene, s, f, shape, v, energy, wet, &beyond);
     const PetscInt on   = row + (cells->sets == 1 ? 0 : PetscMax(side, 0) / 2);
 
+    if (beyond != 0.0) AddBeyond(scene, p, &s->x[(f * d + v) * d], -tension * beyond, force);
     for (PetscInt a = 0; a < d; a++) {
-      PetscReal change = shape->slope[v][a];
+      PetscReal change = 0.0;
 
       for (PetscInt b = 0; b < d; b++) change += shape->normal[a] * shape->slope[v][b] * slope[b];
       for (PetscInt e = s->motion.start[k]; e < s->motion.start[k + 1]; e++)
         for (PetscInt b = 0; b < d && ParticlesIsWall(p, s->motion.j[e]); b++)
           force[d * s->motion.j[e] + b] -=
-              tension * s->motion.w[(e * d + a) * d + b] * (shape->area * change - wet[a]);
+              tension * s->motion.w[(e * d + a) * d + b] * (shape->area * change + energy[a]);
       for (PetscInt e = s->rows.start[on]; e < s->rows.start[on + 1] && side >= 0; e++)
         if (ParticlesIsWall(p, s->rows.j[e]))
           force[d * s->rows.j[e] + a] -= tension * s->rows.w[e] * wet[a]; /* the wall pulls */

@@ -4,6 +4,7 @@
 
 #define SHIFT_MOST   0.5 /* of interfaces to the volumes of their fluids [dx] */
 #define SHIFT_ROUNDS 4   /* over three fluids and more */
+#define PASSES       0.5 /* change of the concentration on a wall by a line that moves by dx [-] */
 
 /* The concentration at the corners of the block, by pieces of the fluid. */
 typedef struct {
@@ -158,6 +159,16 @@ static PetscErrorCode CheckInside(const Scene *scene, const Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Remembers on own wall particle j if the line of the free surface has passed by since the first
+   cells. Input: excess - of the concentration there over its level. */
+static void Remember(const Particles *p, PetscInt j, PetscReal excess)
+{
+  if (!p->wetness || j >= ParticlesOwn(p)) return;
+  if (p->wetness[j] == 0.0) p->wetness[j] = excess;
+  if (excess * p->wetness[j] < 0.0 && PetscAbsReal(excess - p->wetness[j]) > PASSES)
+    p->wetness[j] = LINE_PASSED;
+}
+
 /* Lists walls that the fluid does not wet: those out of its level, by local index. */
 static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cells *cells,
                               const PetscReal level[], PetscInt list[], PetscReal part[],
@@ -172,6 +183,7 @@ static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cell
     ParticlesWallPoint(p, j, x);
     PetscCall(StrainExcess(scene, p, cells, level, x, list, part, &excess));
     (*dry)[j] = excess < 0.0 ? PETSC_TRUE : PETSC_FALSE;
+    Remember(p, j, excess);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
