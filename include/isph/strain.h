@@ -153,6 +153,7 @@ PetscErrorCode StrainPieces(const Scene *scene, const Particles *particles,
                             const StrainCells *cells, PetscInt fluid, PetscInt piece[]);
 PetscBool StrainWaits(const Scene *scene, const Particles *particles, PetscInt w, PetscReal x[],
                       PetscReal *length);
+PetscReal StrainVolumeOf(const Scene *scene, const Particles *particles, PetscInt i);
 PetscBool StrainSolid(const Scene *scene, const StrainCells *cells, PetscInt k, PetscReal x[],
                       PetscReal *volume);
 PetscErrorCode StrainParts(const Scene *scene, const Particles *particles, const Cells *cells,

@@ -148,8 +148,7 @@ static void AddWaiting(const Flow *flow, Ledger *l)
     if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
     for (PetscInt a = 0; a < p->dim; a++) {
       x[a] += 0.5 * length * p->normal[a][w];
-      f[a] *=
-          -scene->rho * p->cell_volume * length / SceneCellSide(scene, (PetscInt)p->side[w] / 2);
+      f[a] *= -scene->rho * StrainVolumeOf(scene, p, w);
     }
     AddForce(p->dim, x, f, l);
   }

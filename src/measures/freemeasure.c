@@ -5,23 +5,26 @@
 #include "monitors.h"
 
 /* Computes the volume inside the free surface [m^dim]. Collective. Output: volume - of the cells
-   and of single particles; mass - sum of the volumes of the particles, its reference. */
+   and of single particles; mass - sum of the volumes of the particles, and of the fluid that waits at
+   inflows for the next ones, its reference. */
 static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const Particles   *p     = flow->particles;
   const StrainCells *cells = flow->ops->strain;
-  PetscReal          sum   = 0.0;
+  PetscReal          sum[] = {0.0, 0.0};
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < cells->n; c++) {
     PetscReal x[ISPH_MAX_DIM];
 
-    if (StrainHasCell(p, cells, c, x)) sum += cells->volume[c];
+    if (StrainHasCell(p, cells, c, x)) sum[0] += cells->volume[c];
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    if (cells->apart[i]) sum += p->volume[i];
-  PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  *mass = p->weight * p->cell_volume;
+    if (cells->apart[i]) sum[0] += p->volume[i];
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) sum[1] += StrainVolumeOf(flow->scene, p, i);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  *volume = sum[0];
+  *mass   = sum[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -188,9 +188,9 @@ static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cell
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the volume that own particle i stands for: its own or, if it is a wall particle of an
-   inflow, that of the fluid that waits there. */
-static PetscReal ParticleVolume(const Scene *scene, const Particles *p, PetscInt i)
+/* StrainVolumeOf - Returns the volume that own particle i stands for: its own or, if it is a wall
+   particle of an inflow, that of the fluid that waits there [m^dim]; not collective */
+PetscReal StrainVolumeOf(const Scene *scene, const Particles *p, PetscInt i)
 {
   PetscReal x[ISPH_MAX_DIM] = {0.0}, length;
 
@@ -275,7 +275,7 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   PetscCall(
       PetscMalloc4(cells.n + 1, &list, cells.n + 1, &part, all, &piece, corners->all, &v.of.C));
   PetscCall(Concentrate(scene, p, &cells, l, NULL, list, part, &v.of));
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++) whole += ParticleVolume(scene, p, i);
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) whole += StrainVolumeOf(scene, p, i);
   PetscCall(FindLevels(p, &whole, LEVEL_LOW, LEVEL_HIGH, &v, &tau));
   PetscCall(FindWet(&v, &wet));
   PetscCall(StrainPiecesNumber(scene, p, l, wet, piece, &n, &single));
@@ -284,7 +284,7 @@ static PetscErrorCode FindSurface(const Scene *scene, const Particles *p, const 
   for (PetscInt k = 0; k <= n; k++) level[k] = tau;
   if (n > 1 || (n == 1 && single)) {
     for (PetscInt i = 0; i < ParticlesOwn(p); i++)
-      own[(PetscInt)piece[i]] += ParticleVolume(scene, p, i);
+      own[(PetscInt)piece[i]] += StrainVolumeOf(scene, p, i);
     v.pieces = n;
     PetscCall(Concentrate(scene, p, &cells, l, piece, list, part, &v.of));
     PetscCall(FindLevels(p, own, LEVEL_LOW, LEVEL_HIGH, &v, level));
