@@ -399,6 +399,8 @@ PetscErrorCode ConvectionExplicit(Flow *flow, PetscReal t, const Vec u[], PetscI
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
+PetscErrorCode FlowGiveStart(Flow *flow, PetscBool *moves);
+PetscErrorCode FlowTakeStart(Flow *flow);
 
 /* Norms, divergence and changes of velocities. */
 PetscErrorCode FlowDivergence(const Flow *flow, const Vec u[], Vec div);

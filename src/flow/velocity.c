@@ -1,6 +1,8 @@
 /* Quantities of a velocity that several stages need: rows of mass, divergence, and values of all
-   particles; and the start of an implicit step. */
+   particles; the start of an implicit step, and that of a run. */
 #include "isph/flow.h"
+
+#define START_TOLD 0.05 /* change of a given start that is told, relative [-] */
 
 /* FlowDivergence - Computes the divergence of a velocity u, which the equations of mass make zero
    [1/s]; collective */
@@ -50,5 +52,48 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
     PetscCall(VecAXPBY(s->u_next[a], weight[1], weight[0], s->u_prev[a]));
     if (weight[2] != 0.0) PetscCall(VecAXPY(s->u_next[a], weight[2], s->u_before[a]));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowGiveStart - Sets u_next to the velocity at the start of a run. Collective. Output: moves -
+   flag: it is not zero everywhere, and the scheme must make it free of divergence: otherwise the
+   pressure of the first step is this impulse over dt. */
+PetscErrorCode FlowGiveStart(Flow *flow, PetscBool *moves)
+{
+  const FlowState *s = flow->state;
+  PetscScalar      square;
+
+  PetscFunctionBegin;
+  *moves = PETSC_FALSE;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(VecCopy(s->u[a], s->u_next[a]));
+    PetscCall(VecDot(s->u[a], s->u[a], &square)); /* VecNorm() may know that of earlier values */
+    if (square > 0.0) *moves = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowTakeStart - Makes u_next, which is free of divergence, the velocity at the start of a run,
+   and says so if the given one was far from it. Collective. The caller has the flow begin anew. */
+PetscErrorCode FlowTakeStart(Flow *flow)
+{
+  const FlowState *s     = flow->state;
+  PetscReal        given = 0.0, change = 0.0, part;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(VecDot(s->u[a], s->u[a], &part));
+    given += part;
+    PetscCall(VecAXPY(s->u[a], -1.0, s->u_next[a]));
+    PetscCall(VecDot(s->u[a], s->u[a], &part));
+    change += part;
+    PetscCall(VecCopy(s->u_next[a], s->u[a]));
+    PetscCall(VecCopy(s->u_next[a], s->u_prev[a]));
+    if (s->u_before[a]) PetscCall(VecCopy(s->u_next[a], s->u_before[a]));
+  }
+  if (change > PetscSqr(START_TOLD) * given)
+    PetscCall(SayLine("start: the given velocity is not free of divergence, or crosses walls; what "
+                      "frees it changes it by %.2g (relative, root mean square)",
+                      (double)PetscSqrtReal(change / given)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -128,7 +128,8 @@ PetscErrorCode IsphFlowGetIds(IsphFlow f, const PetscInt64 **id)
   return CallEnd(f, failed);
 }
 
-/* Lets the history of the flow end: earlier values become the present ones, as at a start. */
+/* Lets the history of the flow end, as at a start: the next step has no earlier velocities, and the
+   scheme frees the present one of divergence. */
 static PetscErrorCode Changed(Flow *flow)
 {
   const Particles *p = flow->particles;
@@ -144,7 +145,9 @@ static PetscErrorCode Changed(Flow *flow)
 
     if (scalar->before) PetscCall(PetscArraycpy(scalar->before, scalar->c, p->n_fluid));
   }
+  flow->clock->dt_previous = flow->clock->dt_before = 0.0;
   PetscCall(flow->scheme->row->Begin(flow));
+  if (flow->scheme->row->Start) PetscCall(flow->scheme->row->Start(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

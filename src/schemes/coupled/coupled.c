@@ -175,6 +175,7 @@ const SchemeRow SchemeCoupled = {
     .Register = CoupledRegister,
     .Assemble = CoupledAssembleSplines,
     .Begin    = CoupledBegin,
+    .Start    = CoupledFreeStart,
     .Limit    = FlowLimit,
     .View     = CoupledView,
     .Destroy  = CoupledDestroy,

@@ -89,5 +89,6 @@ PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
 /* step.c */
 PetscErrorCode CoupledStart(Flow *flow);
 PetscErrorCode CoupledSolve(Flow *flow);
+PetscErrorCode CoupledFreeStart(Flow *flow);
 
 #endif

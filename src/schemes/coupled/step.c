@@ -1,7 +1,8 @@
 /* The coupled step: a solve for velocity and pressure together, either in time or steady, with
    iterations for steady convection and for viscosities that follow the strain rate. A step without
    earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in
-   which the velocity jumps is solved again with a larger share of order 1 (velocityjump.c). */
+   which the velocity jumps is solved again with a larger share of order 1 (velocityjump.c).
+   Velocities given at the start are made free of divergence. */
 #include "coupled.h"
 
 #define PICARD_MOST 50 /* largest number of iterations of steady convection or a rheology */
@@ -11,6 +12,7 @@
 #define PICARD_RTOL   1e-10 /* least tolerance of such a solve, unless a smaller one is given */
 #define TELL_EVERY    2.0   /* seconds from which on a steady solve tells what it does */
 #define STAGE_RATIO   (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
+#define START_LENGTH  1e-6 /* of the step that frees the start of divergence [dt, dx^2/nu] */
 
 /* Returns the pressure among the unknowns: that of the splines, or of the particles. */
 static Vec Pressure(const Flow *flow)
@@ -242,6 +244,21 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the pressure of particles from the unknowns, and removes an undetermined constant. */
+static PetscErrorCode SpreadPressure(Flow *flow)
+{
+  Splines *sp = flow->scheme->splines;
+
+  PetscFunctionBegin;
+  if (sp) {
+    PetscCall(SplineSurfaceFill(sp, sp->all));
+    PetscCall(SplinesShareOut(sp));
+    PetscCall(SplinesSetJumps(flow, flow->state->u_next, sp));
+    PetscCall(SplinesSpread(flow, sp));
+  } else PetscCall(GaugeRemove(flow->scene, flow->particles, flow->state->p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Solves for u_next and p at c->end. On entry u_next is the velocity at the start of the step of
    length dt, and p an estimate of the pressure. */
 static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
@@ -282,12 +299,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     PetscCall(FlowRestoreWork(flow, &u[a]));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, Pressure(flow)));
-  if (sp) {
-    PetscCall(SplineSurfaceFill(sp, sp->all));
-    PetscCall(SplinesShareOut(sp));
-    PetscCall(SplinesSetJumps(flow, s->u_next, sp));
-    PetscCall(SplinesSpread(flow, sp));
-  } else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
+  PetscCall(SpreadPressure(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -299,15 +311,19 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     u^{n+1} = u^n + (1 - g)/g (u_1 - u^n) + k f(u^{n+1})    at t + dt
 
   The method is L-stable and of order 2, and both stages have the same matrix. Moving particles have
-  their new positions in both.
+  their new positions in both. As those belong to the end of the step, the pressure that turns the
+  paths is 1/g times too large in the first stage, and (2 - 1/g)/g = -4.8 times the true one in the
+  second. Their pressure is therefore that of the whole step, (1 - g) p_1 + g p_2.
 
   References: R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021; with convection U. M. Ascher,
   S. J. Ruuth, R. J. Spiteri, Appl. Numer. Math. 25 (1997) 151-167
 */
 static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
 {
-  FlowState      *s = flow->state;
-  const PetscReal k = flow->clock->dt / (1.0 + STAGE_RATIO);
+  FlowState      *s     = flow->state;
+  const PetscBool moves = SceneMoves(flow->scene);
+  const PetscReal k     = flow->clock->dt / (1.0 + STAGE_RATIO);
+  Vec             first;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
@@ -315,11 +331,19 @@ static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
   PetscCall(CoupledForce(c));
   PetscCall(SolveSystem(flow, k, c));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(Pressure(flow), &first));
+  PetscCall(VecCopy(Pressure(flow), first));
   c->end = flow->clock->t + flow->clock->dt;
   PetscCall(CoupledSecondForce(c, flow->clock->t + k, PetscSqr(STAGE_RATIO)));
   for (PetscInt a = 0; a < flow->scene->dim; a++)
     PetscCall(VecAXPBY(s->u_next[a], 1.0 - STAGE_RATIO, STAGE_RATIO, s->u[a]));
   PetscCall(SolveSystem(flow, k, c));
+  if (moves) {
+    PetscCall(VecAXPBY(Pressure(flow), STAGE_RATIO, 1.0, first));
+    PetscCall(VecScale(Pressure(flow), 1.0 / (1.0 + STAGE_RATIO)));
+    PetscCall(SpreadPressure(flow));
+  }
+  PetscCall(VecDestroy(&first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -355,13 +379,31 @@ static PetscErrorCode NoteForce(Coupled *c, PetscReal end)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the divergence of u_next with walls at time t. */
+static PetscErrorCode Divergence(Flow *flow, PetscReal t)
+{
+  const FlowState *s  = flow->state;
+  Splines         *sp = flow->scheme->splines;
+
+  PetscFunctionBegin;
+  PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, t, 0.0, &flow->walls));
+  if (!sp) {
+    PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(SplinesDivergence(flow, sp, s->u_next, t, sp->b));
+  PetscCall(SplinesSumFluids(sp, sp->b, sp->divergence));
+  PetscCall(VecPointwiseDivide(sp->divergence, sp->divergence, sp->mass));
+  PetscCall(SplinesValue(sp, sp->divergence, s->divergence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1};
    collective */
 PetscErrorCode CoupledSolve(Flow *flow)
 {
   FlowState      *s   = flow->state;
   Coupled        *c   = (Coupled *)flow->scheme->data;
-  Splines        *sp  = flow->scheme->splines;
   const PetscInt  dim = flow->scene->dim;
   const PetscReal end = flow->clock->t + flow->clock->dt;
   PetscReal       dt  = flow->clock->dt;
@@ -383,15 +425,51 @@ PetscErrorCode CoupledSolve(Flow *flow)
     PetscCall(SolveSystem(flow, dt, c));
   }
   PetscCall(NoteForce(c, end));
-  PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
-  if (sp) {
-    PetscCall(SplinesDivergence(flow, sp, s->u_next, end, sp->b));
-    PetscCall(SplinesSumFluids(sp, sp->b, sp->divergence));
-    PetscCall(VecPointwiseDivide(sp->divergence, sp->divergence, sp->mass));
-    PetscCall(SplinesValue(sp, sp->divergence, s->divergence));
-  } else {
-    PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
-  }
+  PetscCall(Divergence(flow, end));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CoupledFreeStart - Replaces the velocity that a case or the user gives at the start by
+
+    u - k/rho grad p,   div u = 0
+
+  where both are discrete: a step of the length k that viscosity does not notice, at the places of
+  the start. Collective. Without it, the pressure of the first step is this impulse over dt, and a
+  part of it follows in the second. A fluid at rest has none. Errors: the run ends if the solve
+  fails.
+*/
+PetscErrorCode CoupledFreeStart(Flow *flow)
+{
+  FlowState      *s  = flow->state;
+  Coupled        *c  = (Coupled *)flow->scheme->data;
+  const PetscReal dt = flow->clock->dt;
+  PetscBool       moves;
+  Vec             p, force[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (flow->clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowGiveStart(flow, &moves));
+  if (!moves) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowGetWork(flow, &p));
+  PetscCall(VecCopy(s->p, p));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(FlowGetWork(flow, &force[a]));
+    PetscCall(VecZeroEntries(force[a]));
+  }
+  c->force        = force;
+  c->end          = flow->clock->t;
+  flow->clock->dt = START_LENGTH * PetscMin(dt, PetscSqr(flow->scene->dx) / flow->scene->nu_high);
+  PetscCall(SolveSystem(flow, flow->clock->dt, c));
+  flow->clock->dt = dt;
+  PetscCheck(!flow->scheme->failure.code, PETSC_COMM_WORLD, flow->scheme->failure.code, "%s",
+             flow->scheme->failure.sentence);
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
+  PetscCall(FlowTakeStart(flow));
+  PetscCall(VecCopy(p, s->p));
+  PetscCall(FlowRestoreWork(flow, &p));
+  if (flow->scheme->splines) PetscCall(SplinesStart(flow, flow->scheme->splines));
+  PetscCall(flow->scheme->row->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /*
-  The pressure at the start of a run, if none is given: that of the body force and of the pressures
+  The start of a run. The projection makes the given velocity free of divergence; otherwise the
+  pressure of the first step would be this impulse over dt. Then comes the pressure, if none is given: that of the body force and of the pressures
   at boundaries, which the velocity at the start does not change,
 
     lap p = rho div f,   n.grad p = rho n.(f - a) at walls,   p given at openings and free surfaces
@@ -9,6 +10,8 @@
   viscous step spreads this impulse from the walls, and the projection cannot undo that.
 */
 #include "projection.h"
+
+#define START_LENGTH 1e-6 /* of the step that frees the start of divergence [dt] */
 
 /* Solves for the pressure from the force, and adds it to the level at which the run starts. */
 static PetscErrorCode SolveFirst(Flow *flow, const Vec force[], Projection *pr)
@@ -24,6 +27,33 @@ static PetscErrorCode SolveFirst(Flow *flow, const Vec force[], Projection *pr)
   PetscCall(VecAXPY(p, 1.0, phi));
   if (pr->splines) PetscCall(SplinesSpread(flow, pr->splines));
   PetscCall(VecDestroyAll(&phi, &b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Projects the velocity that a case or the user gives at the start, if it is not zero: a step of the
+   length k that forces do not notice, whose increment of the pressure is left out. */
+static PetscErrorCode FreeStart(Flow *flow, Projection *pr)
+{
+  const PetscReal alpha = pr->alpha, dt = flow->clock->dt;
+  PetscBool       moves;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGiveStart(flow, &moves));
+  if (!moves) PetscFunctionReturn(PETSC_SUCCESS);
+  pr->alpha       = 0.0;
+  pr->k           = START_LENGTH * dt;
+  flow->clock->dt = 0.0; /* walls move as at the start */
+  if (flow->walls.p_step) PetscCall(VecZeroEntries(flow->walls.p_step));
+  PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
+  PetscCall(pr->space->Solve(flow));
+  PetscCall(
+      pr->space->Accelerate(flow, PETSC_TRUE, -pr->k / flow->scene->rho, flow->state->u_next));
+  flow->clock->dt = dt;
+  pr->alpha       = alpha;
+  PetscCheck(!flow->scheme->failure.code, PETSC_COMM_WORLD, flow->scheme->failure.code, "%s",
+             flow->scheme->failure.sentence);
+  PetscCall(FlowTakeStart(flow));
+  PetscCall(flow->scheme->row->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,8 +81,8 @@ static PetscErrorCode IsDriven(const Flow *flow, PetscBool *driven)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectionStart - Solves for the pressure at the start of a run, if none is given and a body
-   force or boundaries drive the flow. Collective. Chorin's projection has no pressure in its
+/* ProjectionStart - Frees the velocity at the start of a run of divergence, and solves for its
+   pressure, if none is given and a body force or boundaries drive the flow. Collective. Chorin's projection has no pressure in its
    predictor, and needs none. Output: the pressure, its full wall data, and the largest body force
    that it does not balance. Errors: the run ends if the solve fails. */
 PetscErrorCode ProjectionStart(Flow *flow)
@@ -64,6 +94,7 @@ PetscErrorCode ProjectionStart(Flow *flow)
   PetscBool       driven;
 
   PetscFunctionBegin;
+  if (pr->row) PetscCall(FreeStart(flow, pr));
   if (!pr->row || !pr->row->incremental || pr->wall_slope_share > 0.0)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesStepPressure(flow->scene, flow->particles, t, &flow->walls));
