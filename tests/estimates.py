@@ -48,6 +48,13 @@ LINES = {  # flow: (walls along which a contact line moves that they do not reso
     "jet that leaves": ([], f"-options_file {ROOT}/options/jet_free.opts"),
     "roll": (["body_1"], f"-options_file {ROOT}/options/roll.opts -n 12 -t_end 0.3"),
 }
+JET = ("-case scene -dim 3 -scene_box 0,0,0,1,1,1 -scene_inflow left -scene_outflow right -scene_wall_left_velocity 1,0,0 "
+       "-scene_velocity 1,0,0 -viscosity 1 -surface_tension 1 -n 8 -dt 0.02 -t_end 0.02 ")
+LEAVES = {  # flow: (an outflow lacks the pressure of the tension, options)
+    "round jet": (True, JET + "-scene_opening_left circle,0.5,0.5,0.3 -scene_filled_1 cylinder,-1,0.5,0.5,2,0.5,0.5,0.3"),
+    "curtain": (False, JET + "-scene_opening_left box,0.25,-1,0.75,2 -scene_symmetry back,front "
+                             "-scene_filled_1 box,-1,0.25,-1,2,0.75,2"),
+}
 PARTS = ("error_space", "error_operator", "error_time")
 
 
@@ -86,6 +93,8 @@ def main():
     for name, (walls, options) in LINES.items():
         told = re.findall(r"^contact line: .* the (\w+) wall", run(command, options)[1], re.M)
         check(told == walls, f"{name}: contact lines on {told}")
+    for name, (lacks, options) in LEAVES.items():
+        check(("outflow not trusted" in run(command, options)[1]) == lacks, f"{name}: pressure of the outflow")
     one, three = (run(command, "-case taylor_green -n 16 -t_end 0.2", ranks)[0] for ranks in (1, 3))
     for part in PARTS:
         check(abs(one[part] - three[part]) <= 0.02 * one["velocity_l2_estimate"], f"{part}: {one[part]}, {three[part]}")

@@ -29,6 +29,7 @@
 #define CUT          0.01 /* share of the fluid [-] */
 #define SPLIT        5e-3 /* nu dt/L^2 of a projection from which its splitting may err [-] */
 #define APART        3.0  /* ratio of errors that no resolution explains [-] */
+#define CURVED       0.02 /* share of the edge of a surface that is across the rest of it [-] */
 #define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
@@ -331,9 +332,57 @@ static PetscErrorCode ViewLines(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds t t^T over the edges of facets on an outflow: a, b, c of [a c; c b] along the side [m]. */
+static void AddEdges(const Scene *scene, const StrainSurface *s, PetscInt side, PetscReal sum[])
+{
+  const PetscInt  normal = side / 2, axis[] = {(normal + 1) % 3, (normal + 2) % 3};
+  const PetscReal end = side % 2 ? scene->hi[normal] : scene->lo[normal], near = 1e-6 * scene->dx;
+
+  for (PetscInt k = 0; k < 3 * s->n; k++) {
+    const PetscReal *x = &s->x[3 * k], *y = &s->x[3 * (k % 3 == 2 ? k - 2 : k + 1)];
+    const PetscReal  t[]    = {y[axis[0]] - x[axis[0]], y[axis[1]] - x[axis[1]]};
+    const PetscReal  length = PetscSqrtReal(PetscSqr(t[0]) + PetscSqr(t[1]));
+
+    if (s->between[k / 3] || length == 0.0 || PetscAbsReal(x[normal] - end) > near ||
+        PetscAbsReal(y[normal] - end) > near)
+      continue;
+    sum[0] += PetscSqr(t[0]) / length;
+    sum[1] += PetscSqr(t[1]) / length;
+    sum[2] += t[0] * t[1] / length;
+  }
+}
+
+/* Prints a line for each outflow in 3D through which a curved surface leaves: the pressure there is
+   that outside, without that of the tension. */
+static PetscErrorCode ViewOutflows(const Flow *flow, PetscViewer viewer)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  if (!flow->ops->cut_surface || scene->dim != 3 || !(scene->tension > 0.0))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    PetscReal sum[3] = {0.0}, across;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) continue;
+    AddEdges(scene, &flow->ops->strain->surface, side, sum);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, flow->particles->comm));
+    across = 0.5 * (sum[0] + sum[1]) -
+             PetscSqrtReal(0.25 * PetscSqr(sum[0] - sum[1]) + PetscSqr(sum[2]));
+    if (!(across > CURVED * (sum[0] + sum[1]))) continue;
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "outflow not trusted: the surface that leaves through the %s side is curved there, and has "
+        "no pressure of its tension; give a smaller -surface_tension, or a surface that is flat "
+        "across the side\n",
+        BoxSides[side]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and others
-   if bounds cut its viscosity, contact lines slip over few particles, or the pressure beside a free
-   surface cannot be trusted. Collective on the viewer. The error is of order dx^2, which gives the
+   if bounds cut its viscosity, contact lines slip over few particles, curved surfaces leave, or the
+   pressure beside a free surface cannot be trusted. Collective on the viewer. The error is of order dx^2, which gives the
    number -n of the line. */
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
 {
@@ -343,6 +392,7 @@ PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer vie
   PetscFunctionBegin;
   PetscCall(ViewBounds(flow, viewer));
   PetscCall(ViewLines(flow, viewer));
+  PetscCall(ViewOutflows(flow, viewer));
   if (trust->surface > TRUSTED)
     PetscCall(PetscViewerASCIIPrintf(
         viewer,

@@ -169,7 +169,19 @@ static void Remember(const Particles *p, PetscInt j, PetscReal excess)
     p->wetness[j] = LINE_PASSED;
 }
 
-/* Lists walls that the fluid does not wet: those out of its level, by local index. */
+/* Returns true if fluid enters in a part of the cell of wall particle j, but not at its middle: a
+   wall at rest there would hold the fluid that enters. */
+static PetscBool IsEdge(const Scene *scene, const Particles *p, PetscInt j)
+{
+  PetscReal x[ISPH_MAX_DIM] = {0.0}, length;
+
+  return StrainWaits(scene, p, j, x, &length) && !BoundaryIsOpen(scene, (PetscInt)p->side[j], x)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Lists walls that the fluid does not wet: those out of its level, and edges of openings, by local
+   index. */
 static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cells *cells,
                               const PetscReal level[], PetscInt list[], PetscReal part[],
                               PetscBool **dry)
@@ -182,7 +194,7 @@ static PetscErrorCode FindDry(const Scene *scene, const Particles *p, const Cell
     if (!ParticlesIsWall(p, j)) continue;
     ParticlesWallPoint(p, j, x);
     PetscCall(StrainExcess(scene, p, cells, level, x, list, part, &excess));
-    (*dry)[j] = excess < 0.0 ? PETSC_TRUE : PETSC_FALSE;
+    (*dry)[j] = excess < 0.0 || IsEdge(scene, p, j) ? PETSC_TRUE : PETSC_FALSE;
     Remember(p, j, excess);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
