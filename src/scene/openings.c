@@ -137,7 +137,7 @@ void BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[])
 
 /* BoundaryOpenPart - Returns the part of a cell about x on a side through which fluid can enter
    [-]. It is exact in 2D. In 3D it is a sum over parts of the cell, each cut by the tangent of the
-   edge of the opening. */
+   edge of the opening; cells far from the edge need no parts. */
 PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   const PetscReal *opening = scene->boundary[side].opening;
@@ -151,6 +151,10 @@ PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[
     sum = PetscMin(at + half, opening[1]) - PetscMax(at - half, opening[0]);
     return PetscMax(0.5 * sum / half, 0.0);
   }
+  sum = OpeningDepth(scene, side, x, out);
+  if (PetscAbsReal(sum) > 0.5 * (SceneCellSide(scene, axis[0]) + SceneCellSide(scene, axis[1])))
+    return sum > 0.0 ? 1.0 : 0.0;
+  sum = 0.0;
   for (PetscInt k = 0; k < PARTS * PARTS; k++) {
     PetscReal y[ISPH_MAX_DIM], part = 0.0;
 
