@@ -98,7 +98,8 @@ struct StrainCells {
   StrainSurface surface;
   PetscReal    *mass[ISPH_MAX_DIM]; /* of own fluid: integral of its weight in fits of a set, times
                                     its density over that of fluid 0 with `cut` [m^dim] */
-  StrainBlocks  flux; /* of cells at the surface: more than V_c (div u)_c by its motion */
+  StrainBlocks  flux; /* of cells at the surface: more than V_c (div u)_c by its motion, and by
+                         their own sides if they share a gradient */
   /* force on component b for a unit of one along axis a, at [a dim + b], over the density of fluid
      0: of own fluid, and of walls in own cells; NULL: not known [m^dim] */
   PetscReal *weight[STRAIN_TENSOR];

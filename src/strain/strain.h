@@ -5,6 +5,7 @@
 #include "isph/strain.h"
 
 #define FIT_REACH     3.3 /* largest radius of a fit [dx] */
+#define GROUP_REACH   3.0 /* cells around one that decide on its group at a free surface */
 #define CELL_SIDES    (2 * ISPH_MAX_DIM)
 #define CELL_CORNERS  (1 << ISPH_MAX_DIM)
 #define CELL_SURFACES 12 /* parts of the surface in a cell, at most */
@@ -78,6 +79,13 @@ typedef struct {
   Facet   *facet;
 } Facets;
 
+/* Groups of cells with one gradient: a cell and its thin neighbours. */
+typedef struct {
+  PetscInt  *lead;   /* of each cell: the cell whose number its group has */
+  PetscInt  *next;   /* the next cell of the group; -1: none */
+  PetscReal *volume; /* of the group with the number of a cell [m^dim] */
+} StrainGroups;
+
 /* straincorners.c */
 
 /* Corners of the block of cells. */
@@ -112,6 +120,11 @@ void StrainDistancesIn(const StrainLattice *l, const StrainNodes *corners, const
 const PetscReal *StrainPhiIn(PetscInt dim, const StrainNodes *corners, const StrainCell *cell,
                              PetscInt fluid, PetscReal phi[]);
 
+/* straingroups.c */
+PetscErrorCode StrainGroupsCreate(const StrainCells *cells, const Facets *facets, PetscBool thin,
+                                  StrainGroups *groups);
+PetscErrorCode StrainGroupsFree(StrainGroups *groups);
+
 /* strainlevel.c */
 #define LEVEL_REACH 3.0 /* radius of the kernel of the concentration [dx] */
 
@@ -134,7 +147,7 @@ PetscErrorCode StrainSlopes(const Scene *scene, const Particles *p, const Cells 
 PetscErrorCode StrainMotion(const Scene *scene, const Particles *p, const StrainPoints *points,
                             const StrainNodes *corners, StrainCells *cells);
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            const Facets *facets, StrainCells *cells);
+                            const Facets *facets, const StrainGroups *groups, StrainCells *cells);
 PetscErrorCode StrainLayer(PetscInt dim, const StrainPoints *points, const Facets *facets,
                            StrainCells *cells);
 PetscErrorCode StrainBlocksFree(StrainBlocks *blocks);

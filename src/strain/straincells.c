@@ -1,7 +1,8 @@
 /* The cells of a rank, cut by bodies and by interfaces of fluids, and the gradient of the velocity
-   in each. A cell of two fluids is two cells. On an interface both have the velocity of the stiffer
-   fluid. Behind a wall that slips a layer of cells has the velocity of the fluid on the wall and,
-   at the slip length behind it, that of the wall: theory.md, (strain:slip). */
+   in each. A cell of two fluids is two cells. Thin cells at a free surface have the gradient of a
+   group (straingroups.c). On an interface both fluids have the velocity of the stiffer one. Behind
+   a wall that slips a layer of cells has the velocity of the fluid on the wall and, at the slip
+   length behind it, that of the wall: theory.md, (strain:slip). */
 #include "strain.h"
 
 #define LEAST_MASS 0.3 /* of a particle, over its volume */
@@ -17,9 +18,10 @@ PetscReal StrainEdge(const Scene *scene)
    collective */
 PetscReal StrainReach(const Scene *scene)
 {
-  const PetscReal foot = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
+  const PetscReal foot  = SceneFluids(scene) > 1 ? FIT_REACH + 1.0 : 0.0;
+  const PetscReal cells = SceneHasFreeSurface(scene) ? 2.0 + GROUP_REACH : 2.0;
 
-  return (2.0 * FIT_REACH + 2.0 * StrainEdge(scene) + foot) * SceneCoarsest(scene);
+  return (2.0 * FIT_REACH + cells * StrainEdge(scene) + foot) * SceneCoarsest(scene);
 }
 
 /* Lists the fluids of a cell; returns their number. */
@@ -339,34 +341,48 @@ static PetscErrorCode FindBorder(PetscInt dim, const PetscBool gives[], const St
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the rows of the facets of a cell to its gradient, and its volume to the masses. Input: place
-   - by local index, -1; it is so afterwards. */
-static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, const Facets *facets,
-                                 PetscInt c, PetscInt q, PetscInt place[], StrainCells *s)
+/* Adds the rows of a facet to the gradient of the last cell. Input: share - factor. */
+static PetscErrorCode AddRows(const StrainRows *rows, const Facet *facet, PetscReal share,
+                              PetscInt q, PetscInt place[], StrainCells *s)
 {
-  const PetscInt first = s->n_entries[q], d = p->dim;
+  const PetscInt row = facet->point * s->sets + (facet->set < 0 ? q : facet->set);
+  const PetscInt d   = s->lattice.dim;
+
+  PetscFunctionBegin;
+  PetscCall(EntriesReserve(d, q, rows->start[row + 1] - rows->start[row], s));
+  for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++) {
+    const PetscInt j = rows->j[e];
+
+    if (place[j] < 0) {
+      place[j]          = s->n_entries[q]++;
+      s->j[q][place[j]] = j;
+      for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] = 0.0;
+      if (s->mean) s->mean[place[j]] = 0.0;
+    }
+    for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] += share * rows->w[e] * facet->normal[b];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the rows of the facets of a cell's group to its gradient, and its volume to the masses.
+   Input: place - by local index, -1; it is so afterwards. */
+static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, const Facets *facets,
+                                 const StrainGroups *groups, PetscInt c, PetscInt q,
+                                 PetscInt place[], StrainCells *s)
+{
+  const PetscInt first = s->n_entries[q], d = p->dim, lead = groups->lead[c];
   PetscReal      area = 0.0;
 
   PetscFunctionBegin;
   s->first[q][c] = first;
-  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
-    const Facet   *facet = &facets->facet[k];
-    const PetscInt row   = facet->point * s->sets + (facet->set < 0 ? q : facet->set);
+  for (PetscInt m = lead; m >= 0; m = groups->next[m]) {
+    const PetscReal share = s->volume[m] / groups->volume[lead];
 
-    for (PetscInt b = 0; b < d; b++) area += PetscAbsReal(facet->normal[b]);
-    PetscCall(EntriesReserve(d, q, rows->start[row + 1] - rows->start[row], s));
-    for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++) {
-      const PetscInt j = rows->j[e];
-
-      if (place[j] < 0) {
-        place[j]          = s->n_entries[q]++;
-        s->j[q][place[j]] = j;
-        for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] = 0.0;
-        if (s->mean) s->mean[place[j]] = 0.0;
-      }
-      for (PetscInt b = 0; b < d; b++) s->g[q][b][place[j]] += rows->w[e] * facet->normal[b];
-    }
+    for (PetscInt k = facets->first[m]; k < facets->first[m + 1]; k++)
+      PetscCall(AddRows(rows, &facets->facet[k], share, q, place, s));
   }
+  for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++)
+    for (PetscInt b = 0; b < d; b++) area += PetscAbsReal(facets->facet[k].normal[b]);
   for (PetscInt k = facets->first[c]; s->mean && k < facets->first[c + 1]; k++) {
     const Facet *facet = &facets->facet[k];
     PetscReal    share = 0.0;
@@ -391,7 +407,7 @@ static PetscErrorCode JoinFacets(const Particles *p, const StrainRows *rows, con
 
 /* Joins the facets of all cells. */
 static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const Facets *facets,
-                              StrainCells *s)
+                              const StrainGroups *groups, StrainCells *s)
 {
   const PetscInt all = ParticlesAll(p);
   PetscInt      *place;
@@ -404,7 +420,8 @@ static PetscErrorCode JoinAll(const Particles *p, const StrainRows *rows, const 
     PetscCall(PetscFree(s->mass[q]));
     PetscCall(PetscCalloc1(p->n_fluid + 1, &s->mass[q]));
     PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)(s->all + 1), &s->first[q]));
-    for (PetscInt c = 0; c < s->all; c++) PetscCall(JoinFacets(p, rows, facets, c, q, place, s));
+    for (PetscInt c = 0; c < s->all; c++)
+      PetscCall(JoinFacets(p, rows, facets, groups, c, q, place, s));
     s->first[q][s->all] = s->n_entries[q];
     for (PetscInt i = 0; i < p->n_fluid; i++)
       s->mass[q][i] = PetscMax(s->mass[q][i], LEAST_MASS * p->volume[i]);
@@ -433,6 +450,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
   Sides        sides   = {.side = NULL};
   Facets       facets  = {.n = 0};
   StrainRows   rows    = {.n = 0};
+  StrainGroups groups;
   StrainCells *s;
 
   PetscFunctionBegin;
@@ -454,7 +472,8 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
       facets.facet[k].point = s->surface.first + s->surface.corner[-1 - facets.facet[k].point];
   PetscCall(StrainFeet(&fits));
   PetscCall(StrainRowsOf(&fits, &sides.points, &rows));
-  PetscCall(JoinAll(p, &rows, &facets, s));
+  PetscCall(StrainGroupsCreate(s, &facets, quantity->cut, &groups));
+  PetscCall(JoinAll(p, &rows, &facets, &groups, s));
   if (quantity->gives)
     PetscCall(FindBorder(p->dim, quantity->gives, &sides.points, &facets, &rows, s));
   if (quantity->cut && !quantity->gives) {
@@ -468,9 +487,10 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
     s->apart      = corners.apart;
     corners.apart = NULL;
     PetscCall(StrainMotion(scene, p, &sides.points, &corners, s));
-    PetscCall(StrainFluxes(scene, p, &sides.points, &facets, s));
+    PetscCall(StrainFluxes(scene, p, &sides.points, &facets, &groups, s));
     PetscCall(StrainLayer(p->dim, &sides.points, &facets, s));
   }
+  PetscCall(StrainGroupsFree(&groups));
   PetscCall(StrainRowsFree(&rows));
   PetscCall(StrainRowsFree(&fits.feet));
   PetscCall(PetscFree(fits.foot));

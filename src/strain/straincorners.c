@@ -9,11 +9,13 @@
 /* Sets the block of cells in which own particles have a part; returns true if it is a new one. */
 static PetscBool SetBlock(const Scene *scene, const Particles *p, PetscReal edge, StrainLattice *l)
 {
-  PetscBool changed = PETSC_FALSE;
+  const PetscReal cells   = SceneHasFreeSurface(scene) ? 1.0 + GROUP_REACH : 1.0;
+  const PetscReal reach   = (FIT_REACH + cells * edge) * scene->dx;
+  PetscBool       changed = PETSC_FALSE;
 
   l->dim = p->dim;
   for (PetscInt a = 0; a < p->dim; a++) {
-    const PetscReal length = scene->hi[a] - scene->lo[a], reach = (FIT_REACH + edge) * scene->dx;
+    const PetscReal length = scene->hi[a] - scene->lo[a];
     PetscInt        first, last;
 
     l->cells[a] = PetscMax(1, (PetscInt)(length / (edge * scene->dx) + 0.5));

@@ -289,9 +289,37 @@ static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the flux out of a cell of a group, by its own sides, less that of the gradient of the
+   group. */
+static PetscErrorCode AddOwnFlux(PetscInt d, const StrainCells *s, const Facets *facets, PetscInt c,
+                                 PetscInt place[], StrainBlocks *flux)
+{
+  const StrainRows *rows = &s->surface.rows;
+  PetscReal        *w;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < d; b++) {
+    const PetscInt q = s->sets == 1 ? 0 : b;
+
+    for (PetscInt k = facets->first[c]; k < facets->first[c + 1]; k++) {
+      const PetscInt row = facets->facet[k].point * s->sets + q;
+
+      for (PetscInt e = rows->start[row]; e < rows->start[row + 1]; e++) {
+        PetscCall(EntryOf(rows->j[e], flux, place, &w));
+        w[b] += s->volume[c] * facets->facet[k].normal[b] * rows->w[e];
+      }
+    }
+    for (PetscInt e = s->first[q][c]; e < s->first[q][c + 1]; e++) {
+      PetscCall(EntryOf(s->j[q][e], flux, place, &w));
+      w[b] -= s->volume[c] * s->g[q][b][e];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
-  there, and the weights of the rows, on which body forces act,
+  there, that by its own sides if it shares a gradient, and the weights of the rows, on which body forces act,
 
     (w_i)_ab = sum_c r_c sum_f (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
 
@@ -300,7 +328,7 @@ static PetscErrorCode AddFlux(PetscInt d, const StrainCells *s, const Facet *fac
   fluid that vanishes on the surface then balances a uniform force.
 */
 PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const StrainPoints *points,
-                            const Facets *facets, StrainCells *s)
+                            const Facets *facets, const StrainGroups *groups, StrainCells *s)
 {
   const PetscInt d = p->dim;
   PetscInt      *place;
@@ -325,6 +353,8 @@ PetscErrorCode StrainFluxes(const Scene *scene, const Particles *p, const Strain
       if (v >= 0 && s->surface.on_level[v])
         PetscCall(AddFlux(d, s, &facets->facet[k], c, place, &s->flux));
     }
+    if (groups->volume[groups->lead[c]] > s->volume[c])
+      PetscCall(AddOwnFlux(d, s, facets, c, place, &s->flux));
     EndBlocks(c, &s->flux, place);
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
