@@ -5,7 +5,8 @@
    between them cancel: docs/developers/theory.md, (strain:thin). */
 #include "strain.h"
 
-#define THIN 0.1 /* share of a whole cell below which a cell is thin [-] */
+#define THIN   0.1  /* share of a whole cell below which a cell is thin [-] */
+#define LARGER 1e-6 /* by which a side is larger than another: ranks round differently [-] */
 
 /* Lists the two cells of each point of a side, at [2 point]; -1: none. Input: n - points of
    sides. */
@@ -37,8 +38,8 @@ static PetscInt NeighbourOf(const StrainCells *s, const Facets *facets, PetscInt
     if (facet->point >= n) continue;
     other = of[2 * facet->point + (of[2 * facet->point] == c)];
     for (PetscInt b = 0; b < s->lattice.dim; b++) area += PetscAbsReal(facet->normal[b]);
-    if (other < 0 || s->fluid[other] != s->fluid[c] || s->volume[other] < thin || area <= largest)
-      continue;
+    if (other < 0 || s->fluid[other] != s->fluid[c] || s->volume[other] < thin) continue;
+    if (area <= (1.0 + LARGER) * largest) continue;
     largest = area;
     best    = other;
   }

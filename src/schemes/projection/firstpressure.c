@@ -1,7 +1,8 @@
 /*
   The start of a run. The projection makes the given velocity free of divergence; otherwise the
-  pressure of the first step would be this impulse over dt. Then comes the pressure, if none is given: that of the body force and of the pressures
-  at boundaries, which the velocity at the start does not change,
+  pressure of the first step would be this impulse over dt. Then comes the pressure, if none is
+  given: that of the body force and of the pressures at boundaries, which the velocity at the start
+  does not change,
 
     lap p = rho div f,   n.grad p = rho n.(f - a) at walls,   p given at openings and free surfaces
 
@@ -30,8 +31,8 @@ static PetscErrorCode SolveFirst(Flow *flow, const Vec force[], Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Projects the velocity that a case or the user gives at the start, if it is not zero: a step of the
-   length k that forces do not notice, whose increment of the pressure is left out. */
+/* Projects the velocity that a case or the user gives at the start, if it is not zero: a step of
+   the length k that forces do not notice, whose increment of the pressure is left out. */
 static PetscErrorCode FreeStart(Flow *flow, Projection *pr)
 {
   const PetscReal alpha = pr->alpha, dt = flow->clock->dt;
@@ -82,9 +83,10 @@ static PetscErrorCode IsDriven(const Flow *flow, PetscBool *driven)
 }
 
 /* ProjectionStart - Frees the velocity at the start of a run of divergence, and solves for its
-   pressure, if none is given and a body force or boundaries drive the flow. Collective. Chorin's projection has no pressure in its
-   predictor, and needs none. Output: the pressure, its full wall data, and the largest body force
-   that it does not balance. Errors: the run ends if the solve fails. */
+   pressure, if none is given and a body force or boundaries drive the flow. Collective. Chorin's
+   projection has no pressure in its predictor, and needs none. Output: velocity, pressure, its full
+   wall data, and the largest body force that it does not balance. Errors: the run ends if a solve
+   fails. */
 PetscErrorCode ProjectionStart(Flow *flow)
 {
   Projection     *pr  = (Projection *)flow->scheme->data;
