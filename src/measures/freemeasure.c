@@ -5,8 +5,8 @@
 #include "monitors.h"
 
 /* Computes the volume inside the free surface [m^dim]. Collective. Output: volume - of the cells
-   and of single particles; mass - sum of the volumes of the particles, and of the fluid that waits at
-   inflows for the next ones, its reference. */
+   and of single particles; mass - sum of the volumes of the particles, and of the fluid that waits
+   at inflows for the next ones, its reference. */
 static PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass)
 {
   const Particles   *p     = flow->particles;

@@ -267,8 +267,8 @@ static PetscErrorCode ViewBounds(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the area of each boundary by which the line of a free surface has passed since the start,
-   by own wall particles [m^(dim-1)]. */
+/* Computes the area of each boundary by which the line of a free surface has passed since the
+   start, by own wall particles [m^(dim-1)]. */
 static void AddPassed(const Particles *p, PetscReal area[])
 {
   for (PetscInt w = p->n_fluid; p->wetness && w < ParticlesOwn(p); w++)
@@ -382,8 +382,8 @@ static PetscErrorCode ViewOutflows(const Flow *flow, PetscViewer viewer)
 
 /* TrustView - Prints a line if the velocity of the last measurement cannot be trusted, and others
    if bounds cut its viscosity, contact lines slip over few particles, curved surfaces leave, or the
-   pressure beside a free surface cannot be trusted. Collective on the viewer. The error is of order dx^2, which gives the
-   number -n of the line. */
+   pressure beside a free surface cannot be trusted. Collective on the viewer. The error is of order
+   dx^2, which gives the number -n of the line. */
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
 {
   const Trust *trust = &report->trust;

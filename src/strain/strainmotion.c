@@ -319,7 +319,8 @@ static PetscErrorCode AddOwnFlux(PetscInt d, const StrainCells *s, const Facets 
 
 /*
   StrainFluxes - Computes for each cell the flux by the motion of the surface, less that of the fits
-  there, that by its own sides if it shares a gradient, and the weights of the rows, on which body forces act,
+  there, that by its own sides if it shares a gradient, and the weights of the rows, on which body
+  forces act,
 
     (w_i)_ab = sum_c r_c sum_f (x_f - x_c)_a (u_f.n_f A_f by component b of u_i)
 

@@ -5,8 +5,8 @@
     F_i = -sum_f sigma_f sum_v Y_vi^T dA_f/dy_v,   u(y_v) = sum_i Y_vi u_i
 
   with the matrices of strainmotion.c. A corner on an outflow is where the side cuts the surface: it
-  slides along the side, and the surface beyond pulls at the fluid. A step dt changes it by the part of the second derivative
-  that has no negative eigenvalue,
+  slides along the side, and the surface beyond pulls at the fluid. A step dt changes it by the part
+  of the second derivative that has no negative eigenvalue,
 
     dF_i = -dt sigma sum_j K_ij u_j,   K_ij = sum of int (grad_s Y_i^T n).(grad_s Y_j^T n)
 
@@ -143,8 +143,8 @@ static PetscInt OutflowAt(const Scene *scene, const PetscReal x[])
 }
 
 /* Computes the derivative of the energy of facet f over its tension by its corner v; returns the
-   side of WetSlope(). Output: wet - of WetSlope(); beyond - the part along the normal of an outflow,
-   which the surface beyond bears. */
+   side of WetSlope(). Output: wet - of WetSlope(); beyond - the part along the normal of an
+   outflow, which the surface beyond bears. */
 static PetscInt EnergySlope(const Scene *scene, const StrainSurface *s, PetscInt f,
                             const FacetShape *shape, PetscInt v, PetscReal slope[], PetscReal wet[],
                             PetscReal *beyond)
