@@ -399,6 +399,8 @@ PetscErrorCode ConvectionExplicit(Flow *flow, PetscReal t, const Vec u[], PetscI
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
+/* Length of the step that frees the velocity at the start of divergence [dt]. */
+#define FLOW_START_LENGTH 1e-6
 PetscErrorCode FlowGiveStart(Flow *flow, PetscBool *moves);
 PetscErrorCode FlowTakeStart(Flow *flow);
 

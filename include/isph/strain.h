@@ -162,4 +162,15 @@ PetscErrorCode StrainParts(const Scene *scene, const Particles *particles, const
                            PetscReal *C);
 PetscErrorCode StrainDestroy(StrainCells **cells);
 
+/* StrainOnSide - Returns true if a place is on a side of the box that is not periodic; not
+   collective */
+static inline PetscBool StrainOnSide(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  const PetscInt  a    = side / 2;
+  const PetscReal wall = side % 2 ? scene->hi[a] : scene->lo[a];
+
+  if (SceneIsPeriodic(scene, a)) return PETSC_FALSE;
+  return PetscAbsReal(x[a] - wall) < 1e-6 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
 #endif

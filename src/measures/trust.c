@@ -335,16 +335,15 @@ static PetscErrorCode ViewLines(const Flow *flow, PetscViewer viewer)
 /* Adds t t^T over the edges of facets on an outflow: a, b, c of [a c; c b] along the side [m]. */
 static void AddEdges(const Scene *scene, const StrainSurface *s, PetscInt side, PetscReal sum[])
 {
-  const PetscInt  normal = side / 2, axis[] = {(normal + 1) % 3, (normal + 2) % 3};
-  const PetscReal end = side % 2 ? scene->hi[normal] : scene->lo[normal], near = 1e-6 * scene->dx;
+  const PetscInt axis[] = {(side / 2 + 1) % 3, (side / 2 + 2) % 3};
 
   for (PetscInt k = 0; k < 3 * s->n; k++) {
     const PetscReal *x = &s->x[3 * k], *y = &s->x[3 * (k % 3 == 2 ? k - 2 : k + 1)];
     const PetscReal  t[]    = {y[axis[0]] - x[axis[0]], y[axis[1]] - x[axis[1]]};
     const PetscReal  length = PetscSqrtReal(PetscSqr(t[0]) + PetscSqr(t[1]));
 
-    if (s->between[k / 3] || length == 0.0 || PetscAbsReal(x[normal] - end) > near ||
-        PetscAbsReal(y[normal] - end) > near)
+    if (s->between[k / 3] || length == 0.0 || !StrainOnSide(scene, side, x) ||
+        !StrainOnSide(scene, side, y))
       continue;
     sum[0] += PetscSqr(t[0]) / length;
     sum[1] += PetscSqr(t[1]) / length;

@@ -188,17 +188,6 @@ static inline PetscInt StrainCellCount(const StrainLattice *l)
   return all;
 }
 
-/* StrainOnSide - Returns true if a place is on a side of the box that is not periodic; not
-   collective */
-static inline PetscBool StrainOnSide(const Scene *scene, PetscInt side, const PetscReal x[])
-{
-  const PetscInt  a    = side / 2;
-  const PetscReal wall = side % 2 ? scene->hi[a] : scene->lo[a];
-
-  if (SceneIsPeriodic(scene, a)) return PETSC_FALSE;
-  return PetscAbsReal(x[a] - wall) < 1e-6 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* StrainDepth - Returns the depth below the surface at which the concentration exceeds its level by
    C: the slope of a plane surface is about 1.5 over the radius [m] */
 static inline PetscReal StrainDepth(const Scene *scene, PetscReal C)

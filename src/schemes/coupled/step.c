@@ -12,7 +12,6 @@
 #define PICARD_RTOL   1e-10 /* least tolerance of such a solve, unless a smaller one is given */
 #define TELL_EVERY    2.0   /* seconds from which on a steady solve tells what it does */
 #define STAGE_RATIO   (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
-#define START_LENGTH  1e-6 /* of the step that frees the start of divergence [dt, dx^2/nu] */
 
 /* Returns the pressure among the unknowns: that of the splines, or of the particles. */
 static Vec Pressure(const Flow *flow)
@@ -323,7 +322,7 @@ static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
   FlowState      *s     = flow->state;
   const PetscBool moves = SceneMoves(flow->scene);
   const PetscReal k     = flow->clock->dt / (1.0 + STAGE_RATIO);
-  Vec             first;
+  Vec             first = NULL;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
@@ -331,8 +330,10 @@ static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
   PetscCall(CoupledForce(c));
   PetscCall(SolveSystem(flow, k, c));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDuplicate(Pressure(flow), &first));
-  PetscCall(VecCopy(Pressure(flow), first));
+  if (moves) {
+    PetscCall(VecDuplicate(Pressure(flow), &first));
+    PetscCall(VecCopy(Pressure(flow), first));
+  }
   c->end = flow->clock->t + flow->clock->dt;
   PetscCall(CoupledSecondForce(c, flow->clock->t + k, PetscSqr(STAGE_RATIO)));
   for (PetscInt a = 0; a < flow->scene->dim; a++)
@@ -436,9 +437,9 @@ PetscErrorCode CoupledSolve(Flow *flow)
     u - k/rho grad p,   div u = 0
 
   where both are discrete: a step of the length k that viscosity does not notice, at the places of
-  the start. Collective. Without it, the pressure of the first step is this impulse over dt, and a
-  part of it follows in the second. A fluid at rest has none. Errors: the run ends if the solve
-  fails.
+  the start. The pressure stays. Collective. Without it, the pressure of the first step is this
+  impulse over dt, and a part of it follows in the second. A fluid at rest has none. Errors: the run
+  ends if the solve fails.
 */
 PetscErrorCode CoupledFreeStart(Flow *flow)
 {
@@ -446,7 +447,7 @@ PetscErrorCode CoupledFreeStart(Flow *flow)
   Coupled        *c  = (Coupled *)flow->scheme->data;
   const PetscReal dt = flow->clock->dt;
   PetscBool       moves;
-  Vec             p, force[ISPH_MAX_DIM];
+  Vec             p, kept = NULL, force[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
@@ -454,13 +455,16 @@ PetscErrorCode CoupledFreeStart(Flow *flow)
   if (!moves) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowGetWork(flow, &p));
   PetscCall(VecCopy(s->p, p));
+  if (flow->scheme->kept) PetscCall(VecDuplicate(flow->scheme->kept, &kept));
+  if (kept) PetscCall(VecCopy(flow->scheme->kept, kept));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(FlowGetWork(flow, &force[a]));
     PetscCall(VecZeroEntries(force[a]));
   }
-  c->force        = force;
-  c->end          = flow->clock->t;
-  flow->clock->dt = START_LENGTH * PetscMin(dt, PetscSqr(flow->scene->dx) / flow->scene->nu_high);
+  c->force = force;
+  c->end   = flow->clock->t;
+  flow->clock->dt =
+      FLOW_START_LENGTH * PetscMin(dt, PetscSqr(flow->scene->dx) / flow->scene->nu_high);
   PetscCall(SolveSystem(flow, flow->clock->dt, c));
   flow->clock->dt = dt;
   PetscCheck(!flow->scheme->failure.code, PETSC_COMM_WORLD, flow->scheme->failure.code, "%s",
@@ -469,7 +473,8 @@ PetscErrorCode CoupledFreeStart(Flow *flow)
   PetscCall(FlowTakeStart(flow));
   PetscCall(VecCopy(p, s->p));
   PetscCall(FlowRestoreWork(flow, &p));
-  if (flow->scheme->splines) PetscCall(SplinesStart(flow, flow->scheme->splines));
+  if (kept) PetscCall(VecCopy(kept, flow->scheme->kept));
+  PetscCall(VecDestroy(&kept));
   PetscCall(flow->scheme->row->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

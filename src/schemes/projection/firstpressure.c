@@ -12,8 +12,6 @@
 */
 #include "projection.h"
 
-#define START_LENGTH 1e-6 /* of the step that frees the start of divergence [dt] */
-
 /* Solves for the pressure from the force, and adds it to the level at which the run starts. */
 static PetscErrorCode SolveFirst(Flow *flow, const Vec force[], Projection *pr)
 {
@@ -42,7 +40,7 @@ static PetscErrorCode FreeStart(Flow *flow, Projection *pr)
   PetscCall(FlowGiveStart(flow, &moves));
   if (!moves) PetscFunctionReturn(PETSC_SUCCESS);
   pr->alpha       = 0.0;
-  pr->k           = START_LENGTH * dt;
+  pr->k           = FLOW_START_LENGTH * dt;
   flow->clock->dt = 0.0; /* walls move as at the start */
   if (flow->walls.p_step) PetscCall(VecZeroEntries(flow->walls.p_step));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
