@@ -36,6 +36,16 @@ def cpu_seconds():
     return used.ru_utime + used.ru_stime
 
 
+def build_of(isph):
+    """Returns eight characters that tell builds apart: of the program and of the library beside it, which has its code."""
+    found = hashlib.sha256()
+    for path in (isph, os.path.join(os.path.dirname(isph), "libisph.so")):
+        if path == isph or os.path.exists(path):
+            with open(path, "rb") as file:
+                found.update(file.read())
+    return found.hexdigest()[:8]
+
+
 class Runs:
     """Quantities at the end of runs by their arguments; quantities at earlier -report_times have the name name@time. A
     failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed; `not_kept` has the
@@ -51,8 +61,7 @@ class Runs:
         if ranks > 1:
             self.launch = ["mpiexec", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), isph]
         if os.path.isfile(isph):
-            with open(isph, "rb") as file:
-                self.build = hashlib.sha256(file.read()).hexdigest()[:8]
+            self.build = build_of(isph)
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         if os.path.exists(path):
             with open(path, newline="") as file:

@@ -13,6 +13,8 @@ import subprocess
 import sys
 import time
 
+from runs import build_of
+
 SAID = r"not \w+:|\w+ not kept:|\w+ [^,]+, should be at most"  # warnings in the report of a run
 READ = ("-options_file", "-particles", "-restart", "-library")  # options that name files to read
 WRITTEN = {"-report": "report.csv", "-output": "flow.h5", "-checkpoint": "checkpoint.h5", "-probe_output": "probe"}
@@ -237,8 +239,7 @@ def build(isph):
     """Returns eight characters that tell builds apart."""
     if isph not in BUILDS:
         try:
-            with open(isph, "rb") as file:
-                BUILDS[isph] = hashlib.sha256(file.read()).hexdigest()[:8]
+            BUILDS[isph] = build_of(isph)
         except OSError as error:
             raise UserError(f"--isph {isph}: {error.strerror}") from None
         if not os.access(isph, os.X_OK):
