@@ -124,7 +124,8 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 }
 
 /* Sets the defaults of a pressure that a layer at the surface has a part in: its entries in K are
-   large and of both signs, so incomplete factors follow the cycle of AMG. */
+   large and of both signs, so incomplete factors follow the cycle of AMG. Pivots that are zero, as
+   of splines at particles that flew off, are shifted: one of them ends the whole solve. */
 static PetscErrorCode LayerDefaults(void)
 {
   PetscFunctionBegin;
@@ -132,6 +133,7 @@ static PetscErrorCode LayerDefaults(void)
   PetscCall(OptionDefault("coupled_schur_", "-pc_composite_type", "multiplicative"));
   PetscCall(OptionDefault("coupled_schur_", "-pc_composite_pcs", "hypre,bjacobi"));
   PetscCall(AmgDefaults("coupled_schur_sub_0_", "1"));
+  PetscCall(OptionDefault("coupled_schur_sub_1_", "-sub_pc_factor_shift_type", "nonzero"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
