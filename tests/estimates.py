@@ -26,6 +26,7 @@ CLOSE = {  # flow: (cause of the error, options); the estimate within a factor o
     "inconsistent form": ("operator", CHANNEL + " -visc_laplacian cleary -t_end 1"),
     "vortices": ("space", "-case taylor_green -n 24 -t_end 0.5"),
     "fixed vortices": ("space", "-case taylor_green -n 24 -t_end 0.5 -motion eulerian"),
+    "sheet of eight particles": ("compression", f"-options_file {ROOT}/options/sheet.opts -n 8 -max_steps 1"),
     "long steps": ("time", f"-options_file {ROOT}/options/womersley.opts -n 16 -dt 0.015 -motion eulerian"),
 }
 VIOLATED = {  # not trusted: the reason is the same in all of them
