@@ -267,8 +267,9 @@ typedef enum { MEMORY_EVEN, MEMORY_FIXED, MEMORY_MOVING, MEMORY_FREE, MEMORY_KIN
 /* A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
    and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and
    creates solvers. Register adds fields to the particles. Begin prepares the scheme for the present
-   fields. Limit lowers the longest allowed step. View prints the scheme's lines of the banner. The
-   stages make a step of the clock's dt. */
+   fields. Error estimates the root mean square error of the velocity [m/s] below a free surface of
+   strain cells; its rate is 1/T, T the age of the flow [1/s]. Limit lowers the longest allowed
+   step. View prints the scheme's lines of the banner. The stages make a step of the clock's dt. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscErrorCode (*Create)(Flow *flow);
@@ -277,6 +278,7 @@ typedef struct {
   PetscErrorCode (*Assemble)(Flow *flow); /* NULL: no matrices of its own */
   PetscErrorCode (*Begin)(Flow *flow);
   PetscErrorCode (*Start)(Flow *flow); /* NULL: nothing at the start of a run, after Begin */
+  PetscErrorCode (*Error)(Flow *flow, PetscReal rate, PetscReal *error); /* NULL: no surfaces */
   PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
   PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
   PetscErrorCode (*Destroy)(Flow *flow);
@@ -345,6 +347,7 @@ PetscErrorCode FlowStateCreate(Flow *flow);
 PetscErrorCode FlowStateRegister(Flow *flow);
 PetscErrorCode FlowStateRenumber(Flow *flow);
 PetscErrorCode FlowSurfaceTension(Flow *flow);
+PetscErrorCode FlowTensionMatrix(Flow *flow);
 PetscErrorCode FlowStateDestroy(Flow *flow);
 PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[]);
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);

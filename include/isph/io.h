@@ -101,7 +101,7 @@ static inline const GradientRow *FlowGradient(const Flow *flow)
 }
 
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution);
-PetscErrorCode TrustMeasure(const Flow *flow, Report *report);
+PetscErrorCode TrustMeasure(Flow *flow, Report *report);
 PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer);
 
 /* Snapshots of the particles for ParaView, option -output. */

@@ -14,6 +14,7 @@
 
 #define CELL_EDGE     0.5 /* of a cell [dx] */
 #define CELL_IN_SPACE 0.8 /* the same in fluids with a free surface in 3D: a quarter of the cells */
+#define WIDER_FITS    1.2 /* radius of wide fits at a free surface over that of the run's */
 #define STRAIN_TENSOR (ISPH_MAX_DIM * ISPH_MAX_DIM)
 
 /* Rows of sums over particles by local index: sum_k w[k] u_j[k], k in [start[r], start[r + 1]). */
@@ -47,6 +48,7 @@ typedef struct {
   PetscInt  sets;   /* components with equations of their own at boundaries: 1 or dim */
   PetscBool normal; /* walls along the axes give their normal velocity only; then sets is dim */
   const PetscBool *gives; /* of a scalar: boundaries that give its value; NULL: the velocity */
+  PetscBool        wide;  /* fits at a free surface are WIDER_FITS times as wide */
   PetscBool        cut;   /* the cells end at the free surface, of a scalar the last boundary */
 } StrainQuantity;
 
@@ -138,6 +140,8 @@ PetscErrorCode StrainOfVelocity(const Particles *particles, const Vec u[], const
 void StrainViscosities(const Scene *scene, const Particles *particles, StrainCells *cells);
 void StrainRheology(const Scene *scene, StrainCells *cells);
 PetscErrorCode StrainSpread(Particles *particles, const StrainCells *cells);
+void           StrainAddForce(const Particles *particles, const StrainCells *cells, PetscReal scale,
+                              PetscReal *const to[]);
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *particles, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[]);
 void StrainSetTension(const Particles *particles, const PetscReal sigma[], StrainCells *cells);

@@ -71,26 +71,34 @@ static PetscErrorCode SetVarying(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowSurfaceTension - Computes the force of the tension of the free surface and of interfaces,
-   and adds its change in a step to the viscous matrix. Collective. Output: state->interface - force
-   per unit mass [m/s^2]; state->tension_energy, zero if the tension varies, which has none. */
+/* Returns true if a surface or an interface has tension. Output: mass - of particles in the cells,
+   of each component [m^dim]. */
+static PetscBool HasTension(const Flow *flow, PetscReal *mass[])
+{
+  const Scene       *scene = flow->scene;
+  const StrainCells *cells = flow->ops->strain;
+  PetscBool          has   = scene->tension > 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) mass[a] = cells->mass[cells->sets == 1 ? 0 : a];
+  for (PetscInt k = 0; k < scene->n_regions; k++) has = has || scene->region_tension[k] > 0.0;
+  return has;
+}
+
+/* FlowSurfaceTension - Computes the force of the tension of the free surface and of interfaces.
+   Collective. Output: state->interface - force per unit mass [m/s^2]; state->tension_energy, zero
+   if the tension varies, which has none. */
 PetscErrorCode FlowSurfaceTension(Flow *flow)
 {
   const Scene       *scene = flow->scene;
   const Particles   *p     = flow->particles;
   const StrainCells *cells = flow->ops->strain;
-  AffineOperator    *visc  = &flow->ops->velocity[0].visc;
   PetscReal         *force, *mass[ISPH_MAX_DIM], sum[2] = {0.0}; /* energy, mass */
-  PetscBool          has = scene->tension > 0.0;
+  const PetscBool    has = HasTension(flow, mass);
   PetscScalar       *to;
-  Mat                K;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_regions; k++) has = has || scene->region_tension[k] > 0.0;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    mass[a] = cells->mass[cells->sets == 1 ? 0 : a];
+  for (PetscInt a = 0; a < p->dim; a++)
     if (!has && flow->state->interface[a]) PetscCall(VecZeroEntries(flow->state->interface[a]));
-  }
   if (!has) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowStateRenumber(flow));
   if (scene->tension_field.n) PetscCall(SetVarying(flow));
@@ -114,7 +122,22 @@ PetscErrorCode FlowSurfaceTension(Flow *flow)
     sum[0] +=
         scene->tension * PetscMax(scene->boundary[side].contact, 0.0) * BoxArea(scene, side / 2);
   flow->state->tension_energy = scene->tension_field.n ? 0.0 : 2.0 * sum[0] / sum[1];
-  PetscCall(StrainTensionMatrix(p, cells, &K));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowTensionMatrix - Adds the change of the tension in a step to the viscous matrix. Collective,
+   once for each assembly. */
+PetscErrorCode FlowTensionMatrix(Flow *flow)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  AffineOperator  *visc  = &flow->ops->velocity[0].visc;
+  PetscReal       *mass[ISPH_MAX_DIM];
+  Mat              K;
+
+  PetscFunctionBegin;
+  if (!HasTension(flow, mass)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StrainTensionMatrix(p, flow->ops->strain, &K));
   PetscCall(VelocityRowsDivide(p, mass, -flow->clock->dt / (scene->rho * scene->nu), K));
   if (SceneViscosityVaries(scene) && p->dim == 2) {
     PetscCall(PetscObjectReference((PetscObject)K));

@@ -22,7 +22,7 @@ typedef struct {
 
 PetscErrorCode DefectCreate(const Flow *flow, Defect *defect);
 PetscErrorCode DefectDestroy(Defect *defect);
-PetscErrorCode DefectError(const Flow *flow, Defect *defect, PetscReal *error);
+PetscErrorCode DefectError(const Flow *flow, PetscReal rate, Defect *defect, PetscReal *error);
 
 PetscErrorCode CompactRowAdd(const Flow *flow, PetscInt i, CompactRows *rows);
 

@@ -17,7 +17,7 @@
 
 #define RTOL 1e-2 /* of the solves [-] */
 #define MOST 2000 /* iterations */
-#define SLOW 1e-6 /* 1/T of a steady solve, and the shift of K_1 [U/L], [1/L^2] */
+#define SLOW 1e-6 /* shift of K_1 [1/L^2] */
 
 /* Gradients and their normal equations. */
 typedef struct {
@@ -261,18 +261,9 @@ static PetscErrorCode SolveMass(const Flow *flow, const Defect *d, const Gradien
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns 1/T [1/s]. */
-static PetscReal AgeRate(const Flow *flow)
-{
-  const PetscReal age = ClockMoment(flow->clock), least = SLOW * flow->scene->speed;
-
-  if (flow->clock->steady_solve || !(age > 0.0)) return least / flow->scene->length;
-  return 1.0 / age;
-}
-
 /* DefectError - Computes the root mean square of the error e of the velocity [m/s], and frees the
-   slopes of d; collective */
-PetscErrorCode DefectError(const Flow *flow, Defect *d, PetscReal *error)
+   slopes of d. Collective. Input: rate - 1/T [1/s]. */
+PetscErrorCode DefectError(const Flow *flow, PetscReal rate, Defect *d, PetscReal *error)
 {
   const Particles *p   = flow->particles;
   PetscReal        sum = 0.0, part;
@@ -287,7 +278,7 @@ PetscErrorCode DefectError(const Flow *flow, Defect *d, PetscReal *error)
   PetscCall(VecDuplicate(g.volume, &psi));
   PetscCall(ProjectMomentum(flow, d, &g, r));
   PetscCall(SolveMass(flow, d, &g, psi));
-  PetscCall(CreateLaplacian(p, &d->rows, d->nu, AgeRate(flow), &K));
+  PetscCall(CreateLaplacian(p, &d->rows, d->nu, rate, &K));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(VecPointwiseMult(r[a], r[a], g.volume));
     PetscCall(VecScale(r[a], -1.0));

@@ -4,7 +4,8 @@
 
     space     the gradients of two fits (resolution.c)
     operator  the defect of momentum and mass (defect.c), which sees inconsistent forms, varying
-              viscosities, boundaries and surfaces
+              viscosities and boundaries; below a free surface of strain cells the response of the
+              flow to wider fits (src/schemes/coupled/velocityerror.c)
     time      the steps (src/flow/acceleration.c; of moving particles, their paths too)
     balance   the worst row of the balance sheet, if it is out of its bound
     layer     sheared layers of a fluid that yields, if they have less than LAYER_LEAST particles
@@ -32,6 +33,7 @@
 #define APART        3.0  /* ratio of errors that no resolution explains [-] */
 #define CURVED       0.02 /* share of the edge of a surface that is across the rest of it [-] */
 #define AT_REST      1e-2 /* least speed of a moving fluid over that which drives it [-] */
+#define SLOW         1e-6 /* 1/T of a steady solve [U/L] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
 static const char *const words[TRUST_PARTS]   = {"space",   "operator",    "time",
@@ -150,22 +152,44 @@ static PetscErrorCode AddForceErrors(const Scene *scene, PetscReal error, Report
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns 1/T of the age T of the flow [1/s]. */
+static PetscReal AgeRate(const Flow *flow)
+{
+  const PetscReal age = ClockMoment(flow->clock), least = SLOW * flow->scene->speed;
+
+  if (flow->clock->steady_solve || !(age > 0.0)) return least / flow->scene->length;
+  return 1.0 / age;
+}
+
+/* Computes the root mean square error of the velocity by its operators [m/s]. */
+static PetscErrorCode OperatorError(Flow *flow, PetscReal *error)
+{
+  Defect defect;
+
+  PetscFunctionBegin;
+  if (flow->ops->cut_surface) {
+    PetscCall(flow->scheme->row->Error(flow, AgeRate(flow), error));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(DefectCreate(flow, &defect));
+  PetscCall(DefectError(flow, AgeRate(flow), &defect, error));
+  PetscCall(DefectDestroy(&defect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
    at most TRUSTED, otherwise 0. Collective. Errors are root mean squares over ErrorScale(). That of
    the operators is over the sum of both, the most that the true velocity can be. */
-PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
+PetscErrorCode TrustMeasure(Flow *flow, Report *report)
 {
   const PetscReal scale = ErrorScale(flow);
   Trust          *trust = &report->trust;
   Resolution      resolution;
-  Defect          defect;
   PetscReal       error;
 
   PetscFunctionBegin;
   PetscCall(ResolutionEstimate(flow, &resolution));
-  PetscCall(DefectCreate(flow, &defect));
-  PetscCall(DefectError(flow, &defect, &error));
-  PetscCall(DefectDestroy(&defect));
+  PetscCall(OperatorError(flow, &error));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) trust->x[a] = resolution.x[a];
   trust->part[TRUST_SPACE]       = resolution.error;
   trust->part[TRUST_OPERATOR]    = error / (scale + error);

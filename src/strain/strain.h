@@ -4,11 +4,12 @@
 
 #include "isph/strain.h"
 
-#define FIT_REACH     3.3 /* largest radius of a fit [dx] */
-#define GROUP_REACH   3.0 /* cells around one that decide on its group at a free surface */
-#define CELL_SIDES    (2 * ISPH_MAX_DIM)
-#define CELL_CORNERS  (1 << ISPH_MAX_DIM)
-#define CELL_SURFACES 12 /* parts of the surface in a cell, at most */
+#define FIT_REACH      3.3 /* largest radius of a fit [dx] */
+#define SURFACE_RADIUS 2.5 /* of fits in fluids with a free surface [dx] */
+#define GROUP_REACH    3.0 /* cells around one that decide on its group at a free surface */
+#define CELL_SIDES     (2 * ISPH_MAX_DIM)
+#define CELL_CORNERS   (1 << ISPH_MAX_DIM)
+#define CELL_SURFACES  12 /* parts of the surface in a cell, at most */
 
 /* Volume of a part of a cell that counts, over that of the cell. Corners so near to a surface are
    on it: the facets of a part that is left out would be lost. */
@@ -60,6 +61,7 @@ typedef struct {
   PetscInt         degree, sets;
   PetscBool        normal; /* see StrainQuantity */
   PetscBool        free;   /* fits hold on a free surface */
+  PetscReal        radius; /* of fits at a free surface [dx] */
   const PetscBool *gives;
   const PetscBool *dry;  /* walls that the fluid does not wet, by local index; NULL: none */
   PetscInt        *foot; /* by local index: row of the velocity on the interface there; -1: none */

@@ -445,6 +445,7 @@ PetscErrorCode StrainAssemble(const Scene *scene, const Particles *p, const Neig
                           .nb     = nb,
                           .degree = PetscMin(degree, 3),
                           .free   = quantity->cut,
+                          .radius = SURFACE_RADIUS * (quantity->wide ? WIDER_FITS : 1.0),
                           .sets   = quantity->sets};
   StrainNodes  corners = {.fluid = NULL};
   Sides        sides   = {.side = NULL};

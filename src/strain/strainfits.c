@@ -15,7 +15,6 @@
 #define SEARCH          1.0  /* a search for a point serves others so near [dx] */
 #define FOOT_DEPTH      1.0  /* particles so near to an interface mark a point on it [dx] */
 #define WALL_REACH      2.5  /* particles of a wall about a point on it [dx] */
-#define SURFACE_RADIUS  2.5  /* of fits in fluids with a free surface [dx] */
 #define RIDGE_LINEAR    5e-8 /* of their normal equations, over the sum of weights */
 #define RIDGE_QUADRATIC 5e-5
 #define WALL_RIDGE      1e-13 /* of the normal equations, over their trace: points are in a plane */
@@ -258,11 +257,11 @@ static PetscErrorCode AddFit(const StrainFits *f, PetscInt i, const Around *arou
 }
 
 /* Adds the fit at a point of a fluid with a free surface: of all its particles within
-   SURFACE_RADIUS, with a ridge that lowers its degree where they are few or in a row. */
+   their radius, with a ridge that lowers its degree where they are few or in a row. */
 static PetscErrorCode AddSurfaceFit(const StrainFits *f, const Around *around, StrainRows *rows)
 {
   const PetscInt  d = f->p->dim, terms = 1 + d + d * (d + 1) / 2;
-  const PetscReal R = SURFACE_RADIUS * f->p->dx[0];
+  const PetscReal R = f->radius * f->p->dx[0];
   PetscReal M[100] = {0.0}, factor[100], c[10] = {1.0}, B[FIT_ROOM][10], W[FIT_ROOM], sum = 0.0;
   PetscInt  n = 0;
 

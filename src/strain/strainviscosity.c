@@ -53,9 +53,10 @@ PetscErrorCode StrainOfVelocity(const Particles *p, const Vec u[], const Vec wal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds scale times the viscous force of the present strains to own fluid [m/s^2]. */
-static void AddForce(const Particles *p, const StrainCells *s, PetscReal scale,
-                     PetscReal *const to[])
+/* StrainAddForce - Adds scale times the viscous force of the present strains to own fluid [m/s^2];
+   not collective */
+void StrainAddForce(const Particles *p, const StrainCells *s, PetscReal scale,
+                    PetscReal *const to[])
 {
   const PetscInt d = p->dim;
 
@@ -98,8 +99,7 @@ void StrainRheology(const Scene *scene, StrainCells *s)
 PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 PetscInt degree, StrainCells *cells, PetscReal *const error[])
 {
-  const PetscBool      cut      = cells->weight[0] ? PETSC_TRUE : PETSC_FALSE;
-  const StrainQuantity velocity = {.sets = cells->sets, .cut = cut};
+  const StrainQuantity velocity = {.sets = cells->sets};
   StrainCells         *of[2]    = {cells, NULL};
 
   PetscFunctionBegin;
@@ -109,7 +109,7 @@ PetscErrorCode StrainForceError(const Scene *scene, const Particles *p, const Ne
   for (PetscInt k = 0; k < 2; k++) {
     PetscCall(StrainOfValues(p, p->u, of[k]));
     if (!SceneIsNewtonian(scene)) StrainRheology(scene, of[k]);
-    AddForce(p, of[k], k ? 1.0 / 3.0 : -1.0 / 3.0, error);
+    StrainAddForce(p, of[k], k ? 1.0 / 3.0 : -1.0 / 3.0, error);
   }
   PetscCall(StrainDestroy(&of[1]));
   PetscFunctionReturn(PETSC_SUCCESS);

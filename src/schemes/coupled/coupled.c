@@ -114,11 +114,16 @@ static PetscErrorCode CoupledRegister(Flow *flow)
 
 static PetscErrorCode CoupledAssembleSplines(Flow *flow)
 {
+  Splines  *s = flow->scheme->splines;
+  PetscBool anew;
+
   PetscFunctionBegin;
-  if (!flow->scheme->splines) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplinesAssemble(flow, flow->scheme->splines));
-  PetscCall(SplinesMix(flow, flow->scheme->splines));
-  PetscCall(SplinesCutAssemble(flow, flow->scheme->splines));
+  if (!s) PetscFunctionReturn(PETSC_SUCCESS);
+  anew = s->in_cut != flow->ops->assemblies;
+  PetscCall(SplinesAssemble(flow, s));
+  PetscCall(SplinesMix(flow, s));
+  PetscCall(SplinesCutAssemble(flow, s));
+  if (anew && flow->ops->cut_surface) PetscCall(FlowTensionMatrix(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,6 +181,7 @@ const SchemeRow SchemeCoupled = {
     .Assemble = CoupledAssembleSplines,
     .Begin    = CoupledBegin,
     .Start    = CoupledFreeStart,
+    .Error    = CoupledError,
     .Limit    = FlowLimit,
     .View     = CoupledView,
     .Destroy  = CoupledDestroy,

@@ -1,7 +1,8 @@
 /* The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
    options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
    on splines in it, velocityblock.c and schur.c the preconditioners of velocities and of pressures,
-   rheology.c viscosities that follow the strain rate, step.c the step. */
+   rheology.c viscosities that follow the strain rate, step.c the step, velocityerror.c an
+   estimate of the velocity's error. */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 
@@ -90,5 +91,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
 PetscErrorCode CoupledStart(Flow *flow);
 PetscErrorCode CoupledSolve(Flow *flow);
 PetscErrorCode CoupledFreeStart(Flow *flow);
+
+/* velocityerror.c */
+PetscErrorCode CoupledError(Flow *flow, PetscReal rate, PetscReal *error);
 
 #endif
