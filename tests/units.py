@@ -13,7 +13,7 @@ POWER = {  # powers of length, time and mass in the reported quantities
     "u_min": (1, -1, 0), "v_max": (1, -1, 0), "v_min": (1, -1, 0), "kinetic_energy": (2, -2, 1),
     "divergence_max": (0, -1, 0), "linear_momentum": (1, -1, 1),
     "velocity_l2_estimate": (0, 0, 0), "error_space": (0, 0, 0), "error_operator": (0, 0, 0),
-    "error_compression": (0, 0, 0), "error_time": (0, 0, 0), "trust": (0, 0, 0), "mach": (0, 0, 0), "density_variation": (0, 0, 0),
+    "error_time": (0, 0, 0), "trust": (0, 0, 0), "mach": (0, 0, 0), "density_variation": (0, 0, 0),
     "sound_passage": (0, 0, 0), "force_balance": (0, 0, 0), "torque_balance": (0, 0, 0), "balance": (0, 0, 0)}
 DEPTH = 1  # in 2D energies and momenta are per length of depth, and the density is mass / length^3
 

@@ -28,7 +28,6 @@ typedef struct {
   PetscReal path;            /* by steps along the paths of particles, the same [-] */
   PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */
   PetscReal layer;           /* thickness of sheared layers beside rigid parts; 0: none [dx] */
-  PetscReal compression;     /* below a free surface, by fluid that is compressed, the same [-] */
   PetscReal excess; /* |tau - tau_0|/tau of the mean stress tau of a fluid that yields [-] */
 } Resolution;
 
@@ -38,7 +37,6 @@ typedef enum {
   TRUST_OPERATOR,
   TRUST_TIME,
   TRUST_BALANCE,
-  TRUST_COMPRESSION,
   TRUST_LAYER,
   TRUST_PARTS
 } TrustPart;

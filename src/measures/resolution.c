@@ -21,7 +21,6 @@ typedef struct {
   PetscReal u2, nu;               /* of |u|^2 [m^2/s^2] and of the viscosity [m^2/s] */
   PetscReal gradient, difference; /* of |grad u| and its difference between two fits [1/s] */
   PetscReal rate;                 /* of |A A|^(1/2), A = grad u [1/s] */
-  PetscReal power, compression;   /* of nu E:E, E = (A + A^T)/2, and nu (tr A)^2 [m^2/s^3] */
 } Sums;
 
 /* Returns Frobenius' norm of a dim x dim matrix. */
@@ -49,30 +48,15 @@ static PetscReal AmplificationRate(PetscInt dim, const PetscReal A[], PetscReal 
   return norm * PetscSqrtReal(Norm(dim, square));
 }
 
-/* Adds the viscous power of the gradient A, and the part of it by which fluid is compressed. */
-static void AddPower(PetscInt dim, const PetscReal A[], PetscReal nu, Sums *sums)
-{
-  PetscReal trace = 0.0;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    trace += A[a * dim + a];
-    for (PetscInt b = 0; b < dim; b++)
-      sums->power += nu * PetscSqr(0.5 * (A[a * dim + b] + A[b * dim + a]));
-  }
-  sums->compression += nu * PetscSqr(trace);
-}
-
 /* Adds the terms of own fluid particle i with the gradient A to the sums. */
 static void AddParticle(const Flow *flow, PetscInt i, const PetscReal A[], PetscReal difference,
                         Sums *sums)
 {
   const Particles *p      = flow->particles;
   const PetscReal  weight = ParticlesWeight(p, i), norm = Norm(p->dim, A);
-  const PetscReal  nu = p->nu ? p->nu[i] : flow->scene->nu;
 
   for (PetscInt c = 0; c < p->dim; c++) sums->u2 += weight * PetscSqr(p->u[c][i]);
-  sums->nu += weight * nu;
-  AddPower(p->dim, A, weight * nu, sums);
+  sums->nu += weight * (p->nu ? p->nu[i] : flow->scene->nu);
   sums->gradient += weight * norm;
   sums->difference += weight * difference;
   sums->rate += weight * AmplificationRate(p->dim, A, norm);
@@ -146,17 +130,12 @@ static void SetErrors(const Flow *flow, const Sums *sums, Resolution *resolution
   const PetscReal turn = PetscMax(clock->dt, clock->dt_previous) * rate;
   PetscReal       time = ClockMoment(clock), growth = 1.0;
 
-  resolution->error = resolution->path = resolution->compression = 0.0;
+  resolution->error = resolution->path = 0.0;
   if (!(u > AT_REST * scene->speed) || !(gradient * scene->length > UNIFORM * u)) return;
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     time = PetscMin(time, SPREADING * PetscSqr(u / gradient) / nu);
   if (SceneHas(scene, PHYSICS_CONVECTION) && rate > 0.0) growth += rate * time;
   resolution->error = SHARE * sums->difference / sums->gradient * growth;
-  if (flow->ops->cut_surface && SceneHas(scene, PHYSICS_VISCOSITY) && sums->power > 0.0) {
-    const PetscReal inertia = 0.25 * total * PetscPowRealInt(u, 3) / scene->length;
-
-    resolution->compression = PetscMin(sums->compression / (sums->power + inertia), 1.0);
-  }
   if (!SceneMoves(scene)) return;
   resolution->path = (clock->order > 1 ? PetscSqr(turn) / 3.0 : 0.5 * turn) * rate * time;
 }
@@ -238,10 +217,9 @@ static PetscErrorCode LayerThickness(const Flow *flow, Resolution *resolution)
   Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
   a quadratic and of a cubic fit, see OperatorsCompareGradients(). Moving particles turn with the
   flow, and steps of order 2 err by dt^2 a^3/3 of it per time, those of order 1 by dt a^2/2. The
-  formulas are theory.md, (forces:space). Below a free surface the power that compresses the fluid,
-  over that of viscosity and of inertia, is an error too, (forces:compression). A fluid at rest or in
-  uniform motion has no error. Output: resolution - all errors, the place where the gradients of
-  both fits differ most, and the thickness of sheared layers.
+  formulas are theory.md, (forces:space). A fluid at rest or in uniform motion has no error. Output:
+  resolution - both errors, the place where the gradients of both fits differ most, and the
+  thickness of sheared layers.
 */
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
 {

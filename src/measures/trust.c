@@ -9,7 +9,6 @@
     time      the steps (src/flow/acceleration.c; of moving particles, their paths too)
     balance   the worst row of the balance sheet, if it is out of its bound
     layer     sheared layers of a fluid that yields, if they have less than LAYER_LEAST particles
-    compression   the power that compresses the fluid below a free surface (resolution.c)
 
   Space and operator see the same error where the form is consistent. The defect is the better
   estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
@@ -36,8 +35,7 @@
 #define SLOW         1e-6 /* 1/T of a steady solve [U/L] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
-static const char *const words[TRUST_PARTS]   = {"space",   "operator",    "time",
-                                                 "balance", "compression", "layer"};
+static const char *const words[TRUST_PARTS]   = {"space", "operator", "time", "balance", "layer"};
 
 /* Combines the parts to the error of the velocity. */
 static void Combine(Trust *trust)
@@ -49,10 +47,13 @@ static void Combine(Trust *trust)
   trust->error = space + part[TRUST_TIME];
   trust->worst = part[TRUST_OPERATOR] > part[TRUST_SPACE] ? TRUST_OPERATOR : TRUST_SPACE;
   if (part[TRUST_TIME] > space) trust->worst = TRUST_TIME;
-  for (PetscInt k = TRUST_BALANCE; k < TRUST_PARTS; k++) {
-    if (!(part[k] > trust->error)) continue;
-    trust->error = part[k];
-    trust->worst = (TrustPart)k;
+  if (part[TRUST_BALANCE] > trust->error) {
+    trust->error = part[TRUST_BALANCE];
+    trust->worst = TRUST_BALANCE;
+  }
+  if (part[TRUST_LAYER] > trust->error) {
+    trust->error = part[TRUST_LAYER];
+    trust->worst = TRUST_LAYER;
   }
 }
 
@@ -191,20 +192,17 @@ PetscErrorCode TrustMeasure(Flow *flow, Report *report)
   PetscCall(ResolutionEstimate(flow, &resolution));
   PetscCall(OperatorError(flow, &error));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) trust->x[a] = resolution.x[a];
-  trust->part[TRUST_SPACE]       = resolution.error;
-  trust->part[TRUST_OPERATOR]    = error / (scale + error);
-  trust->part[TRUST_TIME]        = resolution.path + flow->state->acceleration.time_error / scale;
-  trust->part[TRUST_BALANCE]     = BalanceError(flow);
-  trust->part[TRUST_LAYER]       = LayerError(flow, &resolution);
-  trust->part[TRUST_COMPRESSION] = resolution.compression * FlowRmsSpeed(flow) / scale;
-  trust->layer                   = resolution.layer;
+  trust->part[TRUST_SPACE]    = resolution.error;
+  trust->part[TRUST_OPERATOR] = error / (scale + error);
+  trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
+  trust->part[TRUST_BALANCE]  = BalanceError(flow);
+  trust->part[TRUST_LAYER]    = LayerError(flow, &resolution);
+  trust->layer                = resolution.layer;
   Combine(trust);
   PetscCall(SurfaceStress(flow, &trust->surface));
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
   for (PetscInt k = 0; k < TRUST_BALANCE; k++) /* the sheet reports its own */
     PetscCall(ReportAddError(report, names[k], trust->part[k]));
-  if (flow->ops->cut_surface)
-    PetscCall(ReportAddError(report, "error_compression", trust->part[TRUST_COMPRESSION]));
   if (trust->layer > 0.0) PetscCall(ReportAdd(report, "sheared_layer", trust->layer));
   if (trust->surface > 0.0)
     PetscCall(ReportAddError(report, "pressure_l2_estimate", trust->surface));
@@ -247,11 +245,6 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
                             "at least %.0f; try -n %.0f",
                             (double)trust->layer, LAYER_LEAST,
                             PetscCeilReal(flow->scene->n * LAYER_WANTED / trust->layer)));
-  } else if (trust->worst == TRUST_COMPRESSION) {
-    PetscCall(PetscSNPrintf(text, length,
-                            "below the free surface the fluid is compressed, as its pressure is "
-                            "coarser than what moves there; try -n %.0f",
-                            PetscCeilReal(flow->scene->n * PetscSqrtReal(trust->error / TRUSTED))));
   } else if (trust->worst == TRUST_BALANCE) {
     PetscCall(PetscStrncpy(text, "see the balances below", length));
   } else if (trust->worst == TRUST_TIME) {
