@@ -37,10 +37,10 @@ def make_lines(isph, panels):
     return [[row for row in last if row["line"] == str(k)] for k in range(len(panels))]
 
 
-def lines_of(path, isph, panels):
-    """Rows along the lines of all panels; those that the file has are not made again."""
+def lines_of(path, isph, panels, anew):
+    """Rows along the lines of all panels; those that the file has are not made again, unless all are to be made anew."""
     known, names = {}, ["run", "along", "x", "y", "u", "v", "p"]
-    if os.path.exists(path):
+    if os.path.exists(path) and not anew:
         with open(path, newline="") as file:
             for row in csv.DictReader(file):
                 known.setdefault((row["run"], row["along"]), []).append(row)
@@ -125,10 +125,10 @@ def draw_errors(axes, case, sweeps, rounding):
     return {**studies, **quantities, "second order": {"color": "0.7", "linestyle": "--"}}
 
 
-def draw(path, case, sweeps, isph, rounding):
+def draw(path, case, sweeps, isph, rounding, anew):
     plt.rcParams.update(STYLE)
     panels = [panel for panel in case.panels if isinstance(panel, Panel)]
-    lines = lines_of(os.path.splitext(path)[0] + "_lines.csv", isph, panels)
+    lines = lines_of(os.path.splitext(path)[0] + "_lines.csv", isph, panels, anew)
     drawn = {id(panel): rows for panel, rows in zip(panels, lines)}
     cells = len(case.panels) + bool(case.drawn)
     columns = 2 if cells == 4 else min(3, cells)
