@@ -40,8 +40,8 @@ static PetscErrorCode Residuals(Flow *flow, Vec force[], Vec divergence)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives the flow the cells, and the terms of the pressure and of the tension that follow; the stress
-   of the layer below the surface stays. */
+/* Gives the flow the cells, and terms of the pressure and of the tension that follow. The stress of
+   the layer below the surface stays. */
 static PetscErrorCode UseCells(Flow *flow, StrainCells *cells)
 {
   Splines *s = flow->scheme->splines;
@@ -97,12 +97,17 @@ static PetscErrorCode FindResidual(Flow *flow, Vec r[], Vec mass)
 /* Solves for the velocity by the residuals alone; the preconditioner is as in a step. */
 static PetscErrorCode Respond(PetscReal rate, Vec r[], Vec mass, Coupled *c)
 {
-  Flow *flow = c->flow;
-  Mat   J;
-  Vec   rhs;
+  Flow           *flow      = c->flow;
+  Particles      *p         = flow->particles;
+  const PetscBool newtonian = SceneIsNewtonian(flow->scene);
+  PetscReal      *nu;
+  Mat             J;
+  Vec             rhs;
 
   PetscFunctionBegin;
-  if (!SceneIsNewtonian(flow->scene)) {
+  PetscCall(PetscMalloc1(newtonian ? 0 : ParticlesAll(p), &nu));
+  if (!newtonian) {
+    PetscCall(PetscArraycpy(nu, p->nu, ParticlesAll(p))); /* the next step begins with them */
     PetscCall(TangentCreate(flow->scene, flow->particles, flow->ops, &c->tangent));
     PetscCall(TangentFollow(c->tangent, flow->state->u, &flow->walls));
   }
@@ -119,13 +124,15 @@ static PetscErrorCode Respond(PetscReal rate, Vec r[], Vec mass, Coupled *c)
   PetscCall(VecDestroy(&rhs));
   PetscCall(MatDestroy(&J));
   PetscCall(TangentDestroy(&c->tangent));
+  if (!newtonian) PetscCall(PetscArraycpy(p->nu, nu, ParticlesAll(p)));
+  PetscCall(PetscFree(nu));
   c->saddle.assemblies = -1; /* the next step has its own shift */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* CoupledError - Computes the root mean square of the error e of the velocity of a free surface of
-   strain cells. Collective. Input: rate - 1/T [1/s]. Output: error - [m/s]; the largest number if the solve
-   fails. The state of the solver and the flow are as before. */
+   strain cells. Collective. Input: rate - 1/T [1/s]. Output: error - [m/s]; the largest number if
+   the solve fails. The state of the solver and the flow are as before. */
 PetscErrorCode CoupledError(Flow *flow, PetscReal rate, PetscReal *error)
 {
   Coupled          *c     = (Coupled *)flow->scheme->data;
