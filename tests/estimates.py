@@ -27,7 +27,6 @@ CLOSE = {  # flow: (cause of the error, options); the estimate within a factor o
     "vortices": ("space", "-case taylor_green -n 24 -t_end 0.5"),
     "fixed vortices": ("space", "-case taylor_green -n 24 -t_end 0.5 -motion eulerian"),
     "sheet of four particles": ("operator", f"-options_file {ROOT}/options/sheet.opts -n 4 -max_steps 1"),
-    "drop with tension": ("space", f"-options_file {ROOT}/options/drop_tension.opts -n 8"),
     "long steps": ("time", f"-options_file {ROOT}/options/womersley.opts -n 16 -dt 0.015 -motion eulerian"),
 }
 VIOLATED = {  # not trusted: the reason is the same in all of them

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""refuse.py LIST SOURCE TEST STARTER COMMAND... - tries bad input, the lines of a test in refusals.list.
+"""refuse.py EVERY LIST SOURCE TEST STARTER COMMAND... - tries bad input, lines of a test in refusals.list: the first of EVERY.
 
 A run is refused as a user should see it if it ends with an exit status other than 0, without a crash, and prints a
 single line that begins with "isph: " and matches the expression. Runs on one rank are children of STARTER and print
@@ -65,11 +65,11 @@ def execute(command, words, folder):
 
 
 def main():
-    path, source, test, program, *command = sys.argv[1:]
+    every, path, source, test, program, *command = sys.argv[1:]
     alone = "_np" not in test
     tried, failed = 0, 0
     starter = Starter(program)
-    for name, words, expected in lines(path, test):
+    for name, words, expected in list(lines(path, test))[:: int(every)]:
         for k, word in enumerate(words):
             file = re.match("(file,)?([^/,-][^,]*/[^,]*)", word)
             if file and os.path.exists(os.path.join(source, file[2])):

@@ -14,15 +14,16 @@ const ComposedForm *WcsphComposed(const Wcsph *w)
   return row ? row->composed : NULL;
 }
 
-/* Notes if a free surface cuts the support. */
+/* Notes if a free surface cuts the support. The sum has volumes of the lattice: those of a region
+   that its particles do not fill are smaller, inside too. */
 static PetscErrorCode SurfaceRow(Stencil *st, void *ctx)
 {
   const Wcsph *w   = (const Wcsph *)ctx;
-  PetscReal    sum = st->volume * st->self[0];
+  PetscReal    sum = st->self[0];
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < st->n; k++) sum += st->V[k] * st->W[k];
-  w->surface[st->i] = sum < FULL * w->lattice ? 1.0 : 0.0;
+  for (PetscInt k = 0; k < st->n; k++) sum += st->W[k];
+  w->surface[st->i] = sum * w->flow->particles->cell_volume < FULL * w->lattice ? 1.0 : 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
