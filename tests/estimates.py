@@ -56,7 +56,7 @@ LEAVES = {  # flow: (an outflow lacks the pressure of the tension, options)
     "curtain": (False, JET + "-scene_opening_left box,0.25,-1,0.75,2 -scene_symmetry back,front "
                              "-scene_filled_1 box,-1,0.25,-1,2,0.75,2"),
 }
-SHEET = f"-options_file {ROOT}/options/sheet.opts -n 8 -t_end 120 -jitter 0.1"
+SHEET = f"-options_file {ROOT}/options/sheet.opts -n 6 -t_end 120 -jitter 0.1"
 PARTS = ("error_space", "error_operator", "error_time")
 
 
