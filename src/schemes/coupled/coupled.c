@@ -187,5 +187,5 @@ const SchemeRow SchemeCoupled = {
     .Destroy  = CoupledDestroy,
     .stages   = stages,
     .judges   = judges,
-    .memory   = {{5.5, 5.5, 5.7, 72.0}, {16.0, 16.0, 20.3, 82.0}},
+    .memory   = {{5.5, 5.5, 5.7, 72.0}, {16.0, 16.0, 20.3, 118.0}},
 };

@@ -80,6 +80,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *coupled);
 PetscErrorCode CoupledSolverFree(Coupled *coupled);
 PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *coupled);
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
+PetscErrorCode CoupledForget(Coupled *coupled);
 
 /* terms.c */
 PetscErrorCode CoupledForce(Coupled *coupled);

@@ -121,6 +121,16 @@ static PetscErrorCode CoupledFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CoupledForget - Frees matrices, vectors and preconditioner; the next CoupledAssemble() makes them
+   anew. Collective. */
+PetscErrorCode CoupledForget(Coupled *c)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPReset(c->guard.solve.ksp));
+  PetscCall(CoupledFree(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CoupledSolverFree - Frees solver and matrices; collective */
 PetscErrorCode CoupledSolverFree(Coupled *c)
 {
@@ -181,8 +191,7 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
       !c->velocity.flow || !SetUpHolds(&solve->setup, CoupledNumbering(c), shift);
 
   PetscFunctionBegin;
-  PetscCall(KSPReset(solve->ksp));
-  PetscCall(CoupledFree(c));
+  PetscCall(CoupledForget(c));
   PetscCall(SaddleAssemble(c->flow, advecting, &c->saddle));
   if (c->splits) PetscCall(SchurAssemble(c->flow, &c->saddle, anew, &c->schur));
   PetscCall(UnknownsVec(p, c->saddle.n_p, &c->x));

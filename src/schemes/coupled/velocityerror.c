@@ -111,7 +111,6 @@ static PetscErrorCode Respond(PetscReal rate, Vec r[], Vec mass, Coupled *c)
     PetscCall(TangentCreate(flow->scene, flow->particles, flow->ops, &c->tangent));
     PetscCall(TangentFollow(c->tangent, flow->state->u, &flow->walls));
   }
-  c->saddle.assemblies = -1; /* its blocks had other cells, or other viscosities */
   PetscCall(CoupledAssemble(rate, NULL, c));
   PetscCall(VecZeroEntries(c->b));
   for (PetscInt a = 0; a < c->saddle.dim; a++)
@@ -126,7 +125,6 @@ static PetscErrorCode Respond(PetscReal rate, Vec r[], Vec mass, Coupled *c)
   PetscCall(TangentDestroy(&c->tangent));
   if (!newtonian) PetscCall(PetscArraycpy(p->nu, nu, ParticlesAll(p)));
   PetscCall(PetscFree(nu));
-  c->saddle.assemblies = -1; /* the next step has its own shift */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,6 +143,7 @@ PetscErrorCode CoupledError(Flow *flow, PetscReal rate, PetscReal *error)
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FluidVec(flow->particles, NULL, &r[a]));
   PetscCall(VecDuplicate(flow->scheme->splines->b, &mass));
+  PetscCall(CoupledForget(c)); /* so that a report has the memory of a step */
   PetscCall(FindResidual(flow, r, mass));
   PetscCall(Respond(rate, r, mass, c));
   failed          = c->guard.failed;
@@ -157,6 +156,7 @@ PetscErrorCode CoupledError(Flow *flow, PetscReal rate, PetscReal *error)
     PetscCall(VecDestroy(&r[a]));
   }
   PetscCall(VecDestroy(&mass));
+  PetscCall(CoupledForget(c)); /* the next step has other terms and its own shift */
   *error = failed ? PETSC_MAX_REAL : PetscSqrtReal(sum / flow->particles->weight);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
