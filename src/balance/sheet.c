@@ -75,7 +75,7 @@ const BalanceRow BalanceRows[BALANCES] = {
                    "over the range of these",
          .what   = "a scalar not within bounds: it has values that neither start nor boundaries "
                    "have",
-         .remedy = "try a larger -n or a smaller -dt",
+         .remedy = "try a larger -n",
          .bound  = 0.05},
 };
 

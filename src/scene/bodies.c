@@ -172,8 +172,8 @@ PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt 
     OptionNumber(pattern, k, name, &row);
     PetscCall(OptionGiven(name, &given));
     UserCheck(!given,
-              "%s: numbers are 1, 2, ... without gaps%s; %" PetscInt_FMT " of them are given", name,
-              at_most, n);
+              "%s: numbers are 1, 2, ... without gaps%s; number %" PetscInt_FMT " is missing", name,
+              at_most, n + 1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
