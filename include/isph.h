@@ -93,9 +93,9 @@ PETSC_EXTERN PetscErrorCode IsphFlowRemove(IsphFlow flow, PetscInt n, const Pets
 PETSC_EXTERN PetscErrorCode IsphFlowGetBoundary(IsphFlow flow, PetscInt k, const char **name,
                                                 const char **kind);
 /* Computes force and torque of the fluid on boundary k, three numbers each, the torque about the
-   centre of a body or the middle of the box; boundaries through which fluid passes, and periodic ones,
-   have none. Output: error - how far two measures of each differ,
-   a lower bound of the error, NaN with a free surface; may be NULL. The report has error bars. */
+   centre of a body or the middle of the box. Sides through which fluid passes, and periodic ones,
+   have none. Output: error - how far two measures of each differ, a lower bound of the error, NaN
+   with a free surface; may be NULL. The report has error bars. */
 PETSC_EXTERN PetscErrorCode IsphFlowGetForce(IsphFlow flow, PetscInt k, PetscReal force[3],
                                              PetscReal torque[3], PetscReal error[2]);
 /* Gets place, attitude (a unit quaternion, real part first), velocity and spin of body k, which is

@@ -21,8 +21,8 @@ static PetscErrorCode Run(IsphFlow flow, int argc, char *argv[], PetscReal *ramp
   PetscCall(IsphFlowSetUp(flow));
   PetscCall(IsphFlowRun(flow, 0.2));
   PetscCall(IsphFlowGetForce(flow, 3, force, torque, error));
-  return PetscPrintf(PETSC_COMM_WORLD, "force on the lid %g N, two measures differ by %g N\n", (double)force[0],
-                     (double)error[0]);
+  return PetscPrintf(PETSC_COMM_WORLD, "force on the lid %g N, two measures differ by %g N\n",
+                     (double)force[0], (double)error[0]);
 }
 
 int main(int argc, char **argv)
